@@ -1,4 +1,4 @@
-//! From clusters of foreground points to objects with boxes.
+//! Objects with boxes made of clusters of foreground points.
 
 use detector::detector::{DetectorOutput, DropReason, DroppedCluster};
 use detector::drawn::fitted_boxes::fitted_boxes;
@@ -15,7 +15,7 @@ pub trait ClusterFit: Send {
     ///
     /// # Errors
     ///
-    /// Why it is no object.
+    /// The reason why the cluster is no object.
     fn fit(&mut self, positions_m: &[[f32; 3]]) -> Result<OrientedBox, DropReason>;
 
     /// The hull on the ground plan that the latest box was fitted to, in metres; `None` if boxes are not fitted to hulls.
@@ -31,7 +31,7 @@ pub struct ClusterBoxes<F> {
 }
 
 impl<F> ClusterBoxes<F> {
-    /// Boxes as `fit` says.
+    /// Fits boxes by `fit`.
     pub fn new(fit: F) -> Self {
         Self { fit, kept: Vec::new(), dropped: Vec::new(), positions_m: Vec::new() }
     }

@@ -24,9 +24,9 @@ const SEARCH_MARGIN: f32 = 1.000_01;
 
 /// Writes to `labels`, for every point, the smallest index of a point of its component.
 ///
-/// Two points are neighbours if their squared distance is strictly below the squared tolerance, both computed in f32,
-/// x before y before z; components are what chains of neighbours connect, of every size from one point up. A point
-/// that is not finite has no neighbours, and a tolerance that is not positive connects nothing.
+/// Two points are neighbours if their squared distance is strictly below the squared tolerance, both computed in f32, x
+/// before y before z. Chains of neighbours connect the points of a component, which may be a single point. A point that is
+/// not finite has no neighbours, and a tolerance that is not positive connects nothing.
 ///
 /// Components grow as in PCL's Euclidean cluster extraction: every point is looked up in the tree once, except that
 /// points at the very same position share one look-up. The cost follows the number of pairs of neighbours.
@@ -79,7 +79,7 @@ struct Neighborhoods<'a> {
 }
 
 impl Neighborhoods<'_> {
-    /// Labels everything that chains of neighbours connect with `seed_idx`.
+    /// Labels all points that chains of neighbours connect with `seed_idx`.
     fn grow(&self, seed_idx: u32, scratch: &mut KdTreeScratch, labels: &mut [u32]) {
         let KdTreeScratch { reached, is_searched, .. } = scratch;
         reached.clear();
@@ -137,7 +137,7 @@ mod tests {
         labels
     }
 
-    /// The same by comparing every point with every other, until nothing changes.
+    /// Labels found by comparing every point with every other, until nothing changes.
     fn labels_by_brute_force(positions_m: &[[f32; 3]], tolerance_m: f32) -> Vec<u32> {
         let n = positions_m.len();
         let mut labels: Vec<u32> = (0..n as u32).collect();

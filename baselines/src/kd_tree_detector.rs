@@ -33,7 +33,7 @@ pub fn kd_tree(
 ) -> Pipeline {
     let mut shared = shared.clone();
     shared.walls.enabled &= params.foreground == ForegroundChoice::Refined;
-    // Of the whole scan there is no grid to complete clusters from.
+    // The grid does not hold the whole scan, so that clusters cannot be completed from it.
     shared.completion.enabled &= params.foreground != ForegroundChoice::All;
     shared.cluster.min_points = params.min_points;
     let n_points = least_points(&shared.cluster, models.vehicles.as_ref())..=params.max_points;
@@ -91,7 +91,7 @@ impl Stage for StandingPoints {
     }
 }
 
-/// Takes all points that are somewhere.
+/// Takes all points with finite coordinates.
 struct FinitePoints;
 
 impl Stage for FinitePoints {
@@ -122,7 +122,7 @@ fn components(tolerance_m: f32) -> impl Stage {
     }
 }
 
-/// Boxes close to the corners of the convex hull, around clusters of so many points.
+/// Boxes close to the corners of the convex hull, around clusters whose number of points is within `n_points`.
 struct HullFit {
     n_points: RangeInclusive<usize>,
     box_fit: ConvexHullBox,

@@ -36,8 +36,8 @@ pub fn kd_tree_trained(
     best_cut(KD_TREE_TRAINED, components, shared, models)
 }
 
-/// The detector `kd-tree-tree`: the best cut of components within components, so that it differs from the hierarchical
-/// detector by what groups there are, and from `kd-tree-trained` by the tree.
+/// The detector `kd-tree-tree`: the best cut of components within components. It differs from the hierarchical detector in
+/// the groups, and from `kd-tree-trained` in the tree.
 pub fn kd_tree_tree(shared: &HierarchicalParams, models: GroupModels, sensor_height_m: f32) -> Pipeline {
     let components = component_groups(KdTreeLinkage::nested(), shared, sensor_height_m);
     best_cut(KD_TREE_TREE, components, shared, models)

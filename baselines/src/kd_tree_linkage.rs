@@ -6,15 +6,14 @@ use detector::group::linkage::{Linkage, LinkedScan, Links, N_LEVELS};
 use crate::COMPONENTS;
 use crate::nested_components::NestedComponents;
 
-/// The stage that finds which components are one at greater tolerances.
+/// The stage that finds which components merge at greater tolerances.
 pub const NESTING: &str = "nesting";
 
 /// The tolerances of components within components, in metres.
 pub const NESTED_TOLERANCES_M: [f32; N_LEVELS] = [0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 0.9, 1.0, 1.1, 1.2];
 
 /// Joins candidates that chains of neighbours over a kd-tree connect: at one tolerance, or at several, the smallest first.
-/// The components are those of a kd-tree to the point, but found in cells, so that these rivals are not slow for what they
-/// do not need.
+/// The components are exactly those of a kd-tree, but found in cells, so that these rivals are no slower than need be.
 ///
 /// Dense cells only describe the components: over a position where there are several, each has a cell of its own.
 #[derive(Debug, Clone)]

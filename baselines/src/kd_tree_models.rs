@@ -8,9 +8,9 @@ use detector::classify::model_file::{ModelFile, ModelFileError};
 use detector::describe::trained_file::Provenance;
 use detector::params::PAPER_SENSOR;
 
-/// What the models call themselves in their files: as the detectors that read them.
+/// Kind of the model of components in its file: the name of the detector that reads it.
 pub const KD_TREE_TRAINED: &str = "kd-tree-trained";
-/// The same of components within components.
+/// Kind of the model of components within components.
 pub const KD_TREE_TREE: &str = "kd-tree-tree";
 
 /// The constant of the model that says the tolerance for each sensor.
@@ -20,7 +20,7 @@ const TOLERANCES: &str = "tolerance_m";
 /// on.
 #[derive(Debug, Clone, PartialEq)]
 pub struct TrainedComponents {
-    /// They keep or drop a component, and say whether it is a vehicle.
+    /// Trees that keep or drop a component, and say whether it is a vehicle.
     pub judge: Arc<GroupingModel>,
     // By sensor, in metres.
     tolerances_m: BTreeMap<String, f32>,
@@ -85,7 +85,7 @@ pub fn shipped_tree() -> Arc<GroupingModel> {
     Arc::clone(&SHIPPED)
 }
 
-/// The same from the content of their file.
+/// The trees that judge components within components, from the content of their file.
 ///
 /// # Errors
 ///

@@ -1,4 +1,4 @@
-//! What the detectors of the papers must beat, behind the same trait.
+//! Baselines that the detectors of the papers must beat, behind the same trait.
 //!
 //! ```
 //! use baselines::kd_tree_detector::kd_tree;
@@ -22,9 +22,9 @@
 //! }
 //! ```
 //!
-//! Modules are declared in the order data reaches them; a module uses only what is declared above it.
+//! Modules are declared in the order data reaches them; a module uses only modules that are declared above it.
 
-/// The name of the stage that finds connected components of points, or of cells that stand; others are in
+/// The name of the stage that finds connected components of points or of occupied cells; other names are in
 /// [`detector::stage`].
 pub const COMPONENTS: &str = "components";
 
@@ -34,7 +34,7 @@ pub mod nested_components;
 pub mod kd_tree_linkage;
 pub mod kd_tree_models;
 
-// Principal axes of what stands in an occupancy grid.
+// Principal axes of components of an occupancy grid.
 pub mod occupancy_grid_components;
 pub mod symmetric_eigenvalues;
 pub mod neighborhood_shapes;

@@ -6,7 +6,7 @@ use crate::symmetric_eigenvalues::{LANES, SymmetricMatrices, symmetric_eigenvalu
 
 /// Points within this distance of a point are its neighbours.
 pub const RADIUS_M: f32 = 0.25;
-/// Most points of an object whose neighbourhoods are looked at: evenly over the object in the order of the scan.
+/// Most points of an object whose neighbourhoods are used: evenly over the object in the order of the scan.
 pub const MOST_SAMPLES: usize = 128;
 /// Bins of each histogram, of the same width over 0 to 1.
 pub const N_BINS: usize = 4;
@@ -14,12 +14,12 @@ pub const N_BINS: usize = 4;
 const LEAST_NEIGHBORS: f32 = 4.0;
 /// Below this spread, in square metres, all neighbours lie at one position: a tenth of a millimetre.
 const LEAST_SPREAD_M2: f32 = 1e-8;
-/// Neighbours that are looked at side by side. Ten sums of four each is what registers hold.
+/// Neighbours that are tested side by side. Registers hold ten sums of four each.
 const SIDE_BY_SIDE: usize = 4;
 
-/// Histograms over the neighbourhoods of an object, as shares of all that were looked at: bin by bin from 0 to 1.
+/// Histograms over the neighbourhoods of an object: for each bin from 0 to 1, its share of all neighbourhoods used.
 ///
-/// A histogram sums up to less than 1 if some points have too few neighbours for a shape: by their share.
+/// A histogram sums up to less than 1 if some points have too few neighbours for a shape: less by the share of those points.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ShapeHistograms {
     /// λ₃ / λ₁.
@@ -50,7 +50,7 @@ impl NeighborhoodShapes {
     /// moved and turned about the vertical without changing anything but for rounding.
     ///
     /// Radius, division and number of bins were chosen on simulated training drives, where these classify vehicles best.
-    /// A smaller radius holds points of one ring alone, a larger one a whole bonnet with what is around it.
+    /// A smaller radius holds points of one ring alone, a larger one a whole bonnet with its surroundings.
     ///
     /// Paper: VM sections 1 and 6, \[5\], which takes the three as Lalonde et al. 2006 (\[6\]) and does not divide.
     pub fn describe(&mut self, points: &BoxFramePoints, length_m: f32) -> ShapeHistograms {
@@ -102,7 +102,7 @@ impl NeighborhoodShapes {
         let from = self.starts[strip.saturating_sub(1)] as usize;
         let to = self.starts[(strip + 2).min(self.starts.len() - 2)] as usize;
         let [along, across, up] = self.sorted_m.each_ref().map(|column| {
-            // What is read beyond `to` is farther away than the radius, or nowhere.
+            // A block may hold points beyond `to`. They are farther away than the radius, or infinitely far.
             let n_blocks = (to - from).div_ceil(SIDE_BY_SIDE);
             &column[from..from + n_blocks * SIDE_BY_SIDE]
         });
@@ -120,8 +120,8 @@ impl NeighborhoodShapes {
     }
 }
 
-/// Adds those of a block of points that lie within the radius of `center_m`: their number, and the first and second
-/// moments about it.
+/// Adds the points of a block that lie within the radius of `center_m`: their number, and the first and second moments about
+/// it.
 #[inline]
 fn add_neighbors(
     sums: &mut [[f32; SIDE_BY_SIDE]; 10],

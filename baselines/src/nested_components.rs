@@ -1,8 +1,8 @@
-//! Components within components: the same as over a kd-tree at each of several tolerances, found in cells.
+//! Components within components: those over a kd-tree at each of several tolerances, found in cells.
 
 use detector::segment::disjoint_sets::DisjointSets;
 
-/// What [`NestedComponents::join`] finds, in buffers that the next scan uses again.
+/// Components that [`NestedComponents::join`] finds, in buffers that the next scan uses again.
 ///
 /// Two points are neighbours as in [`kd_tree_components`](crate::kd_tree_components::kd_tree_components): if their squared
 /// distance is strictly below the squared tolerance, both in f32. That function lists all neighbours of every point. Here
@@ -33,7 +33,7 @@ struct Cell {
 }
 
 /// The side of a cell in tolerances: less than 1/√3, so that the points of a cell are neighbours; and more than 1/2, so that
-/// neighbours are at most [`REACH`] cells apart. Rounding uses up less than what is left, at tolerances of 5 cm and more.
+/// neighbours are at most [`REACH`] cells apart. Both margins are larger than rounding, at tolerances of 5 cm and more.
 const SIDE: f32 = 0.57;
 const REACH: u32 = 2;
 
@@ -82,7 +82,7 @@ impl NestedComponents {
             }
         }
         for [dx, dy] in columns_ahead() {
-            // Cells are in the order of their steps, and so are those that are so far from them.
+            // Cells are in the order of their steps, and so are the cells at a fixed distance from them.
             let (mut from, mut to) = (0, 0);
             for cell in &*cells {
                 let [x, y, z] = cell.steps;
@@ -107,7 +107,7 @@ impl NestedComponents {
         }
     }
 
-    /// Sorts the points into cells of which the points are neighbours.
+    /// Sorts the points into cells so small that all points of a cell are neighbours.
     fn fill_cells(&mut self, positions_m: &[[f32; 3]], tolerance_m: f32) {
         let Self { keyed, points_m, cells, .. } = self;
         let per_m = 1.0 / (SIDE * tolerance_m);
@@ -172,8 +172,8 @@ impl Cell {
     }
 }
 
-/// The columns of cells that each cell is compared with, from its own one on: so each pair is once. The second step is too
-/// large by [`REACH`].
+/// The columns of cells that each cell is compared with, from its own one on, so that each pair is compared once. The second
+/// step is too large by [`REACH`].
 fn columns_ahead() -> impl Iterator<Item = [u32; 2]> {
     let steps = (0..=REACH).flat_map(|dx| (0..=2 * REACH).map(move |dy| [dx, dy]));
     steps.filter(|&[dx, dy]| dx > 0 || dy >= REACH)

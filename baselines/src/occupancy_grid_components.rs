@@ -1,4 +1,4 @@
-//! Cells of an occupancy grid in which something stands, and which of them belong together.
+//! Occupied cells of an occupancy grid, and which of them belong together.
 
 use detector::grid::hierarchical_grid::{HierarchicalGrid, NO_CELL};
 use detector::segment::disjoint_sets::DisjointSets;

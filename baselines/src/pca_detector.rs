@@ -24,9 +24,9 @@ use crate::pca_vehicle_model::PcaVehicleModel;
 /// Objects as components of occupied cells, with boxes along their principal axes, for a sensor `sensor_height_m` above the
 /// road.
 ///
-/// The grid takes all that stands on the street, façades included. Objects longer than a vehicle can be are dropped and
-/// reported. `model` classifies vehicles by the shapes of the neighbourhoods of their points; without a model, the size gate
-/// of `shared` does, as for all detectors.
+/// The grid takes everything that stands on the street, façades included. Objects longer than a vehicle can be are dropped
+/// and reported. `model` classifies vehicles by the shapes of the neighbourhoods of their points; without a model, the size
+/// gate of `shared` classifies them, as for all detectors.
 ///
 /// Paper: VM sections 1 and 6, the method it compares with.
 pub fn pca(
@@ -58,7 +58,7 @@ pub fn pca(
     Pipeline { name: "pca", frame: Frame::new(&shared, sensor_height_m), stages }
 }
 
-/// Finds the cells in which something stands.
+/// Finds the occupied cells.
 struct OccupiedCells(OccupancyParams);
 
 impl Stage for OccupiedCells {
@@ -67,7 +67,7 @@ impl Stage for OccupiedCells {
     }
 
     fn products(&self, _: &PointCloud, frame: &Frame) -> Vec<StageProduct> {
-        // What stands is drawn like short objects, since this grid knows no other class.
+        // Occupied cells are drawn like short objects, since this grid knows no other class.
         let class_of = |cell_idx| match frame.foreground.cells().binary_search(&cell_idx) {
             Ok(_) => SurfaceClass::Short,
             Err(_) => SurfaceClass::Ground,
@@ -91,7 +91,7 @@ fn components() -> impl Stage {
     }
 }
 
-/// Computes what `model` looks at.
+/// Computes the values that `model` looks at.
 fn features(mut model: PcaVehicleModel) -> impl Stage {
     move |_: &PointCloud, frame: &mut Frame, _: &mut DetectorOutput| {
         frame

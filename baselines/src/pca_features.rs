@@ -9,8 +9,8 @@ use crate::neighborhood_shapes::{MOST_SAMPLES, N_BINS, NeighborhoodShapes, RADIU
 /// Number of values.
 pub const N_PCA_FEATURES: usize = 3 + 3 * N_BINS;
 
-/// What the classifier sees of an object: its size, and how its points lie in their neighbourhoods. With buffers for one
-/// object after another.
+/// The values that the classifier sees of an object: its size, and how its points lie in their neighbourhoods. With buffers
+/// for one object after another.
 ///
 /// Paper: VM section 6, \[5\].
 #[derive(Debug, Clone, Default, PartialEq)]
@@ -20,7 +20,7 @@ pub struct PcaDescriber {
 }
 
 impl PcaDescriber {
-    /// What decides the values beside the points, as trained models record it.
+    /// The constants that the values depend on, as trained models record them.
     pub fn constants() -> toml::Table {
         let radius_m = ("neighborhood_radius_m".to_owned(), f64::from(RADIUS_M).into());
         let most_samples = ("most_samples".to_owned(), (MOST_SAMPLES as i64).into());
@@ -29,7 +29,7 @@ impl PcaDescriber {
 }
 
 impl ObjectDescriber<N_PCA_FEATURES> for PcaDescriber {
-    /// Bins by where they begin.
+    /// The name of a bin holds its lower bound.
     const NAMES: [&'static str; N_PCA_FEATURES] = [
         "height_m",
         "length_m",

@@ -1,4 +1,4 @@
-//! The rival of the vehicle model: from an object to a decision whether it is a vehicle.
+//! The rival of the vehicle model: decides whether an object is a vehicle.
 
 use std::sync::LazyLock;
 
@@ -11,7 +11,7 @@ use detector::describe::trained_file::Provenance;
 
 use crate::pca_features::{N_PCA_FEATURES, PcaDescriber};
 
-/// What it calls itself in its file.
+/// Kind of the model in its file.
 const PCA_MODEL: &str = "pca";
 
 /// Features and their classifier, with buffers for one object after another.
@@ -53,7 +53,7 @@ impl PcaVehicleModel {
         svm.put_into(ModelFile::new(PCA_MODEL, made, PcaDescriber::constants()))
     }
 
-    /// What the classifier sees of an object with these points, in the sensor frame. `None` without points.
+    /// The values that the classifier sees of an object with these points, in the sensor frame. `None` without points.
     pub fn values(
         &mut self,
         bounding_box: &OrientedBox,

@@ -15,8 +15,8 @@ use detector::{PointCloud, StageProduct, stage};
 /// Objects as connected components of coarse cells, for a sensor `sensor_height_m` above the road.
 ///
 /// Terrain, cell classes, foreground, merging of cells, boxes and classes are those of the hierarchical detector, whose
-/// parameters are `shared`; what a blob joins stays joined. A grid of one level is one whose coarse cells each hold a single
-/// dense cell, so ξ is 1 whatever the parameters say. The models are those of [`object_stages`].
+/// parameters are `shared`; blobs are not separated. The grid has one level: each coarse cell holds a single dense cell, so
+/// ξ is 1 whatever the parameters say. The models are those of [`object_stages`].
 ///
 /// Paper: HG section 3.2 and Fig. 7, the *Simple Grid Model*; boxes as VM section 4.
 pub fn simple_grid(shared: &HierarchicalParams, models: ObjectModels, sensor_height_m: f32) -> Pipeline {

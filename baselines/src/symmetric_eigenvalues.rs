@@ -1,4 +1,4 @@
-//! Eigenvalues of symmetric 3 × 3 matrices, several side by side and the same to the bit on every machine.
+//! Eigenvalues of symmetric 3 × 3 matrices, several side by side and equal to the bit on every machine.
 
 /// Matrices side by side, so that one instruction serves several of them.
 pub const LANES: usize = 8;
@@ -34,8 +34,8 @@ pub fn symmetric_eigenvalues(matrices: &SymmetricMatrices) -> [[f32; LANES]; 3] 
     values
 }
 
-/// Turns the plane of two axes until nothing joins them: `diagonal` are their own values, `between` what joins them, and
-/// `to_third` what joins each with the third axis.
+/// Turns the plane of two axes until their off-diagonal value is 0: `diagonal` are their diagonal values, `between` is their
+/// off-diagonal value, and `to_third` are the off-diagonal values of each with the third axis.
 #[inline]
 fn rotate([a, b]: [&mut f32; 2], between: &mut f32, [to_a, to_b]: [&mut f32; 2]) {
     let difference = *b - *a;

@@ -1,10 +1,10 @@
-//! What a detector reports.
+//! Detections that a detector reports.
 
 use std::ops::Range;
 
 use crate::oriented_box::OrientedBox;
 
-/// What a detector says an object is.
+/// Class of a detected object.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum DetectedClass {
     /// A free-standing thing on the street that is not known to be a vehicle.
@@ -27,31 +27,31 @@ impl DetectedClass {
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 #[expect(clippy::struct_excessive_bools, reason = "a box has four sides")]
 pub struct SeenSides {
-    /// That at its front end.
+    /// The side at its front end.
     pub front: bool,
-    /// That at its rear end.
+    /// The side at its rear end.
     pub rear: bool,
-    /// The left one.
+    /// The left side.
     pub left: bool,
-    /// The right one.
+    /// The right side.
     pub right: bool,
 }
 
-/// What a detector says of a whole vehicle of which it sees a part.
+/// Details of a whole vehicle of which a detector sees a part.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct SeenOfVehicle {
     /// Which sides are seen: those that face the sensor, and at which the box ends about where the points do.
     pub sides: SeenSides,
-    /// Whether it is sure which end is the front. Otherwise the yaw may be off by 180 degrees.
+    /// Whether the detector is sure which end is the front. Otherwise the yaw may be off by 180 degrees.
     pub is_front_sure: bool,
 }
 
-/// What a detector says of a box beside where it is.
+/// Details of a box beside its geometry.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct BoxDetails {
-    /// How sure it is that this is a vehicle and that the box is right; higher is surer, only the order matters. Never NaN.
+    /// How sure the detector is of both the vehicle and its box; higher is surer, only the order matters. Never NaN.
     pub score: Option<f32>,
-    /// What is seen of the vehicle. `None` if the box is that of what is seen.
+    /// Details of the seen part of the vehicle. `None` if the box is that of the seen part.
     pub seen: Option<SeenOfVehicle>,
 }
 
@@ -62,16 +62,16 @@ pub struct Detection<'a> {
     pub point_indices: &'a [u32],
     /// The box around them, in the sensor frame.
     pub bounding_box: OrientedBox,
-    /// What it is.
+    /// Its class.
     pub class: DetectedClass,
-    /// How sure the detector is that it is a vehicle; higher is surer, only the order matters. Never NaN.
+    /// How sure the detector is that this is a vehicle; higher is surer, only the order matters. Never NaN.
     pub score: Option<f32>,
-    /// What is said of the box.
+    /// Details of the box.
     pub box_details: BoxDetails,
 }
 
 impl<'a> Detection<'a> {
-    /// One of whose box nothing is said.
+    /// A detection without details of its box.
     pub fn new(
         point_indices: &'a [u32],
         bounding_box: OrientedBox,
@@ -81,7 +81,7 @@ impl<'a> Detection<'a> {
         Self { point_indices, bounding_box, class, score, box_details: BoxDetails::default() }
     }
 
-    /// What protocols that judge boxes rank it by: how sure the detector is of its box, or else of its class.
+    /// The score by which protocols that judge boxes rank it: how sure the detector is of its box, or else of its class.
     pub fn box_score(&self) -> Option<f32> {
         self.box_details.score.or(self.score)
     }
@@ -137,7 +137,7 @@ impl Detections {
         });
     }
 
-    /// Gives each detection the box that `new_box` returns for it, and what is said of that.
+    /// Gives each detection the box and its details that `new_box` returns for it.
     pub(crate) fn replace_boxes(
         &mut self,
         mut new_box: impl FnMut(Detection<'_>) -> (OrientedBox, BoxDetails),

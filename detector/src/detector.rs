@@ -1,4 +1,4 @@
-//! What every detector can do.
+//! The trait of all detectors, and their output.
 
 use std::time::{Duration, Instant};
 
@@ -66,20 +66,20 @@ pub trait Detector: Send {
     /// Finds the objects of `cloud` and writes them to `output`, whose previous content is overwritten.
     fn detect(&mut self, cloud: &PointCloud, output: &mut DetectorOutput);
 
-    /// What the stages of the latest [`Self::detect`] left behind, in the order of the stages.
+    /// The products of the stages of the latest [`Self::detect`], in the order of the stages.
     ///
     /// Meant for drawing: allocates, and is never called inside a stopwatch. `cloud` is the scan that was given to
     /// that call.
     fn stage_products(&self, cloud: &PointCloud) -> Vec<StageProduct>;
 
-    /// Whether each point of the latest scan is ground, in the order of the scan; `None` if it does not report ground.
+    /// Whether each point of the latest scan is ground, in the order of the scan; `None` if the detector reports no ground.
     ///
     /// As [`Self::stage_products`] never called inside a stopwatch, and given the same scan.
     fn ground_points(&self, _cloud: &PointCloud) -> Option<Vec<bool>> {
         None
     }
 
-    /// What it does beside finding clusters, in the order of the stages.
+    /// The rules of the detector beside finding clusters, in the order of the stages.
     fn rules(&self) -> Vec<Rule> {
         Vec::new()
     }
@@ -90,24 +90,24 @@ pub trait Detector: Send {
 pub struct DetectorOutput {
     /// The objects.
     pub detections: Detections,
-    /// What was not classified as a vehicle, but may be one. Each has a score below all detections of vehicles; the score of
-    /// its box may be higher. Only protocols that rank detections use these. Some are among `detections` as objects, others
-    /// have too few points for that.
+    /// Possible vehicles that were not classified as vehicles. Each has a score below all detections of vehicles; the score
+    /// of its box may be higher. Only protocols that rank detections use these. Some are among `detections` as objects,
+    /// others have too few points for that.
     pub unlikely_vehicles: Detections,
     /// How long each stage took, in the order of the stages.
     pub stage_times: Vec<StageTime>,
     /// Clusters that did not become detections because of their size.
     pub dropped_clusters: Vec<DroppedCluster>,
-    /// Groups that were not looked into since the scan had too many: the objects in them may be found as one.
+    /// Groups that were not cut since the scan had too many: the objects in them may be found as one.
     pub n_left_uncut: usize,
 }
 
 /// The scores of unlikely vehicles.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct UnlikelyScores {
-    /// They are greater than this.
+    /// All scores are greater than this.
     pub above: f32,
-    /// They are no greater than this, which those of detections of vehicles are.
+    /// All scores are no greater than this; scores of detections of vehicles are greater.
     pub up_to: f32,
 }
 

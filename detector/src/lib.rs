@@ -34,7 +34,7 @@
 //! }
 //! ```
 //!
-//! Modules are declared in the order data reaches them; a module uses only what is declared above it.
+//! Modules are declared in the order data reaches them; a module uses only modules that are declared above it.
 #![cfg_attr(test, allow(clippy::disallowed_methods, reason = "tests compare with the platform's library"))]
 
 // Numbers that are the same on every machine.
@@ -57,7 +57,7 @@ pub use point_cloud::PointCloud;
 pub use rule::Rule;
 pub use stage_product::StageProduct;
 
-// How fast they run, and nothing else.
+// Their speed, and nothing else.
 mod vector_instructions;
 
 // The stages, in order.
@@ -70,13 +70,13 @@ pub mod classify;
 pub mod complete;
 pub mod whole;
 
-// What they are called, and what they leave behind to be looked at; nothing is decided here.
+// Names of the stages, and drawings of their products; nothing is decided here.
 pub mod stage;
 pub mod drawn;
 
-// Their parameters, and how they follow each other.
+// Parameters, and the order of the stages.
 pub mod params;
 pub mod pipeline;
 
-// Another method: what an object is of which only a part has been seen.
+// Another method: classes of objects of which only a part has been seen.
 pub mod partial;

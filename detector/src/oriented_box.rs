@@ -58,7 +58,7 @@ impl OrientedBox {
         })
     }
 
-    /// The same corners on the level of the bottom.
+    /// The ground-plan corners of [`Self::footprint_m`] at the elevation of the bottom.
     pub fn bottom_m(&self) -> [[f32; 3]; 4] {
         let bottom_m = self.center_m[2] - 0.5 * self.length_width_height_m[2];
         self.footprint_m().map(|[x_m, y_m]| [x_m, y_m, bottom_m])

@@ -45,8 +45,8 @@ impl PointCloud {
         Self { x_m: column(), y_m: column(), z_m: column(), intensity: column(), ring, time_offset_s }
     }
 
-    /// Appends a point; `intensity` is the sensor's own, usually in 0 to 1. Nobody knows its ring and time, so that the
-    /// cloud has neither any longer.
+    /// Appends a point; `intensity` is the sensor's own, usually in 0 to 1. Its ring and time are unknown, so that the cloud
+    /// has neither any longer.
     pub fn push(&mut self, position_m: [f32; 3], intensity: f32) {
         self.x_m.push(position_m[0]);
         self.y_m.push(position_m[1]);
@@ -56,7 +56,7 @@ impl PointCloud {
     }
 
     /// Replaces all points by those with these x, y, z and intensities, whose memory it takes and gives its own in return.
-    /// Nobody knows their rings and times.
+    /// Their rings and times are unknown, so that the cloud has neither any longer.
     ///
     /// # Panics
     ///
@@ -69,27 +69,27 @@ impl PointCloud {
         (self.ring, self.time_offset_s) = (None, None);
     }
 
-    /// Says which laser saw each point.
+    /// Sets the laser that saw each point.
     ///
     /// # Panics
     ///
-    /// If there are not as many as points.
+    /// If the number of rings is not the number of points.
     pub fn set_ring(&mut self, ring: Vec<u16>) {
         assert_eq!(ring.len(), self.len(), "each point has a ring");
         self.ring = Some(ring);
     }
 
-    /// Says when each point was measured: seconds after the time of the scan, negative before it.
+    /// Sets the time at which each point was measured: seconds after the time of the scan, negative before it.
     ///
     /// # Panics
     ///
-    /// If there are not as many as points.
+    /// If the number of times is not the number of points.
     pub fn set_time_offset_s(&mut self, time_offset_s: Vec<f32>) {
         assert_eq!(time_offset_s.len(), self.len(), "each point has a time");
         self.time_offset_s = Some(time_offset_s);
     }
 
-    /// Moves every point to where `position_m` says, in metres; whatever else is known of it stays.
+    /// Moves every point to the position that `position_m` returns, in metres; intensity, ring and time stay.
     pub fn move_points(&mut self, position_m: impl Fn([f32; 3]) -> [f32; 3]) {
         for point_idx in 0..self.len() {
             let moved_m = position_m(self.position_m(point_idx));

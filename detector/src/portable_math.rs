@@ -2,9 +2,9 @@
 //! alone.
 //!
 //! The functions of the standard library call the platform's mathematics library, which may round differently on another
-//! machine. Whatever reaches a simulated scan, a trained model or a detection goes through these instead, so that a seed or
-//! a scan gives the same bytes on every x86-64 machine. They are accurate to about 1e-14, far beyond the f32 the results are
-//! rounded to; those of [`single`] are right but for that rounding, and faster.
+//! machine. Simulated scans, trained models and detections are computed with these instead, so that a seed or a scan gives
+//! the same bytes on every x86-64 machine. They are accurate to about 1e-14, far beyond the f32 the results are rounded to;
+//! those of [`single`] are right but for that rounding, and faster.
 
 pub mod single;
 

@@ -1,4 +1,4 @@
-//! What a detector does beside finding clusters.
+//! Rules of a detector beside finding clusters.
 
 use std::fmt;
 
@@ -10,18 +10,18 @@ pub enum Rule {
     /// Trained trees predict the expected IoU of each group of points. Groups above a threshold are kept. Those a little
     /// below it are kept if they are classified as vehicles. Walls are one of the values that the trees look at.
     TrainedGroups,
-    /// Groups hold groups; of all ways to part them, the one with the highest predicted IoU is taken.
+    /// Groups hold groups; of all ways to cut them, the one with the highest predicted IoU is taken.
     BestCut,
-    /// A cluster of so few points is kept if a model classifies it as a vehicle.
+    /// A cluster of few points, at least `min_points`, is kept if a model classifies it as a vehicle.
     SmallVehicles {
-        /// How few.
+        /// Fewest points.
         min_points: usize,
     },
     /// Objects that do not have the size of a vehicle are background, whatever a model would predict.
     SizeBounds,
     /// Objects get the points in their boxes that are no foreground.
     Completion,
-    /// Boxes are fitted anew to what the sensor sees, and are those of whole vehicles.
+    /// Boxes are fitted anew to the seen points, and are those of whole vehicles.
     WholeBoxes,
 }
 

@@ -35,5 +35,5 @@ pub const FEATURES: &str = "features";
 pub const CLASSIFICATION: &str = "classification";
 /// Objects get the points in their boxes that are no foreground.
 pub const COMPLETION: &str = "completion";
-/// Boxes are fitted to what the sensor sees, and made whole.
+/// Boxes are fitted to the seen part, and made whole.
 pub const REPORTED_BOXES: &str = "reported_boxes";

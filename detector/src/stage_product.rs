@@ -1,4 +1,4 @@
-//! What the stages of a detector leave behind, in a form that can be drawn without knowing the detector.
+//! Products of the stages of a detector, in a form that can be drawn without knowing the detector.
 
 use crate::oriented_box::OrientedBox;
 use crate::surface_class::SurfaceClass;
@@ -12,7 +12,7 @@ pub struct StageProduct {
     pub stage: &'static str,
     /// Name of the product, unique within the detector: lower case, words joined by `_`.
     pub name: &'static str,
-    /// What it looks like.
+    /// Its form.
     pub shape: Shape,
 }
 
@@ -52,13 +52,13 @@ pub enum Shape {
 /// One link of [`Shape::Links`].
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ProductLink {
-    /// Between which positions, in metres.
+    /// Positions of its ends, in metres.
     pub ends_m: [[f32; 3]; 2],
-    /// What became of it.
+    /// Its fate.
     pub fate: LinkFate,
 }
 
-/// What became of a pair of neighbouring cells.
+/// Fate of a pair of neighbouring cells.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum LinkFate {
     /// They belong together.

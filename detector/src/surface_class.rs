@@ -1,14 +1,14 @@
-//! What a cell is taken for.
+//! Classes of cells and points.
 
-/// What a cell, and with it a point, is taken for.
+/// Class of a cell, and with it of a point.
 ///
 /// Paper: HG section 3.1.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Default)]
 pub enum SurfaceClass {
-    /// Outside the grid, or not looked at.
+    /// Outside the grid, or not classified.
     #[default]
     Unseen,
-    /// Too few points to say anything.
+    /// Too few points for another class.
     Clutter,
     /// Road, pavement, grass.
     Ground,
@@ -16,7 +16,7 @@ pub enum SurfaceClass {
     Tall,
     /// Vehicles, people, street furniture: the foreground.
     Short,
-    /// Of what stages leave behind: short by itself, and tall because it is on a wall. To the stages it is [`Self::Tall`].
+    /// For drawing only: short by itself, and tall because it is on a wall. The stages see [`Self::Tall`] instead.
     Wall,
 }
 

@@ -1,13 +1,13 @@
 //! Hot loops in wide vector instructions.
 
-/// Something to be done in a hot loop.
+/// A hot loop.
 ///
-/// `run` and what it calls are to be `#[inline(always)]`: only what is inlined is compiled for other instructions.
+/// `run` and the functions it calls are to be `#[inline(always)]`: only inlined code is compiled for other instructions.
 pub(crate) trait HotLoop {
-    /// What comes of it.
+    /// Result of the loop.
     type Output;
 
-    /// Does it.
+    /// Runs the loop.
     fn run(self) -> Self::Output;
 }
 

@@ -20,7 +20,7 @@ use crate::occupancy_grid_components::OccupancyParams;
 pub struct BaselineParams {
     /// Euclidean components over a kd-tree.
     pub kd_tree: KdTreeParams,
-    /// Principal axes of what stands in an occupancy grid.
+    /// Principal axes of components of an occupancy grid.
     pub pca: PcaParams,
 }
 
@@ -34,11 +34,11 @@ pub struct KdTreeParams {
     pub min_points: usize,
     /// Most points of an object.
     pub max_points: usize,
-    /// Which points are looked at.
+    /// Which points are clustered.
     pub foreground: ForegroundChoice,
 }
 
-/// Which points of a scan are looked at.
+/// Which points of a scan are clustered.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum ForegroundChoice {
@@ -46,9 +46,9 @@ pub enum ForegroundChoice {
     Short,
     /// Those of short objects that are not on walls, the foreground of the hierarchical detector.
     Refined,
-    /// Those of all that is no ground, façades, poles and trees included.
+    /// Points of everything that is no ground, façades, poles and trees included.
     Standing,
-    /// All of them, road and façades included.
+    /// All points, road and façades included.
     All,
 }
 
@@ -80,7 +80,7 @@ pub struct OccupancyGridParams {
 pub struct ClusterExtentParams {
     /// Fewest points of an object.
     pub min_points: usize,
-    /// Longest side of an object's box on the ground plan, in metres. What is longer is façade, fence or wall.
+    /// Longest side of an object's box on the ground plan, in metres. Longer clusters are façade, fence or wall.
     pub max_extent_m: f32,
 }
 
@@ -111,7 +111,7 @@ impl BaselineParams {
     }
 }
 
-/// Which values of them make sense.
+/// Bounds of the values.
 pub const BASELINE_BOUNDS: &[Bounds] = &[
     Bounds::new("kd_tree.tolerance_m", 0.01, 100.0),
     Bounds::new("kd_tree.min_points", 1.0, f64::INFINITY),

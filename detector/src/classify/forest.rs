@@ -11,11 +11,11 @@ pub const N_LEAVES: usize = 1 << DEPTH;
 /// and by 2i + 2 if not. The index behind the last decision is there so that an index is masked and not checked.
 #[derive(Debug, Clone, PartialEq)]
 pub struct DecisionTree {
-    /// Which value each decision looks at.
+    /// The value that each decision looks at.
     pub value_of_split: [u8; N_LEAVES],
-    /// What it compares it with.
+    /// The threshold that each decision compares its value with.
     pub thresholds: [f32; N_LEAVES],
-    /// What is added, from the left.
+    /// Number that each leaf adds to the sum, from the left.
     pub leaves: [f32; N_LEAVES],
 }
 
@@ -87,14 +87,14 @@ impl<const D: usize> Forest<D> {
         &self.trees
     }
 
-    /// What the sum starts at.
+    /// The number that the sum starts at.
     pub fn base(&self) -> f32 {
         self.base
     }
 }
 
 impl DecisionTree {
-    /// Where these values lead.
+    /// The leaf that these values reach.
     #[inline(always)]
     fn leaf<const D: usize>(&self, values: &[f32; D]) -> usize {
         let mut index = 0;
@@ -105,7 +105,7 @@ impl DecisionTree {
         index - N_SPLITS
     }
 
-    /// Adds to each of `sums` what the examples from `first` on lead to.
+    /// Adds to each of `sums` the leaf that its example reaches, from example `first` on.
     #[inline(always)]
     fn add(&self, block: &Block, first: usize, sums: &mut [f32]) {
         let mut indices = [0; N_ABREAST];
@@ -189,7 +189,7 @@ mod tests {
             let expected = trees.iter().fold(0.25, |sum, tree| sum + leaf(tree));
             let forest = Forest::<6>::new(trees, 0.25).unwrap();
             prop_assert_eq!(forest.sum(&values), expected);
-            // None, blocks that are full, and such that are not.
+            // None, full blocks, and blocks that are not full.
             for n in [0, 1, 10, 64, 65, 150] {
                 let examples: Vec<[f32; 6]> = (0..n).map(|it| values.map(|value| value + 0.01 * it as f32)).collect();
                 let mut sums = vec![7.0; 3];

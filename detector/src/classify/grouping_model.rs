@@ -53,7 +53,7 @@ pub const VEHICLE_VALUES: [&str; N_VEHICLE_VALUES] = joined(VEHICLE_FEATURES, OF
 /// The names of the values that a refinement round sees of a group: those of the group, and its context.
 pub const REFINEMENT_VALUES: [&str; N_REFINEMENT_VALUES] = joined(NODE_VALUES, CONTEXT_VALUES);
 
-/// What a model of groupings calls itself in its file.
+/// Kind of a model of groupings in its file.
 pub const GROUPING_MODEL: &str = "groupings";
 /// The forests in it.
 const OBJECTS: &str = "objects";
@@ -107,7 +107,7 @@ impl GroupingModel {
         })
     }
 
-    /// The file of this model of `model`, with `more` constants.
+    /// The file of this model as one of kind `model`, with `more` constants.
     pub fn to_file(&self, model: &str, made: Provenance, more: toml::Table) -> ModelFile {
         let Self { objects, vehicles, library } = self;
         let mut constants = Self::constants();
@@ -130,8 +130,8 @@ impl GroupingModel {
     }
 }
 
-/// The values that distinguish vehicles: those of the object, and those of the group alone. The object stays the same
-/// whatever it is grouped with.
+/// The values that distinguish vehicles: those of the object, and those of the group alone. They do not depend on the groups
+/// around.
 pub fn vehicle_values(features: &[f32; N_FEATURES], node: &[f32; N_NODE_VALUES]) -> [f32; N_VEHICLE_VALUES] {
     let mut values = [0.0; N_VEHICLE_VALUES];
     values[..N_FEATURES].copy_from_slice(features);

@@ -1,8 +1,8 @@
-//! What an object is.
+//! Classes of objects.
 
 pub mod size_gate;
 
-// Boosted trees, and the file that every trained model comes in.
+// Boosted trees, and the file of every trained model.
 pub mod forest;
 pub mod model_file;
 

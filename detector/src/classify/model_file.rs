@@ -1,7 +1,7 @@
 //! A trained model as a file: a head that people can read, and numbers.
 //!
 //! The file is [`MAGIC`], the length of the head as a `u32`, the head as TOML, the parts one behind the other, and the
-//! SHA-256 of all that comes before it. Numbers are little-endian. The head says what the model is, what it was made of, the
+//! SHA-256 of all that comes before it. Numbers are little-endian. The head holds the kind of the model, its provenance, the
 //! constants that it was trained with, and of each part its name, the names of the values that it looks at, and its length
 //! in bytes.
 
@@ -12,9 +12,9 @@ use crate::classify::forest::{DEPTH, DecisionTree, Forest, N_LEAVES, N_SPLITS};
 use crate::describe::prototype_library::PrototypeLibrary;
 use crate::describe::trained_file::Provenance;
 
-/// What every model begins with.
+/// First bytes of every model.
 pub const MAGIC: &[u8; 16] = b"scanbench model\n";
-/// Of the format; other versions are refused.
+/// Version of the format; other versions are refused.
 const VERSION: u32 = 1;
 /// The part that holds side profiles, as text.
 const PROTOTYPES: &str = "prototypes";
@@ -29,11 +29,11 @@ pub struct ModelFile {
     parts: Vec<Vec<u8>>,
 }
 
-/// What stands in the head.
+/// Content of the head.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 struct Head {
-    /// What it is a model of.
+    /// Kind of the model.
     model: String,
     version: u32,
     made: Provenance,
@@ -61,21 +61,21 @@ pub enum ModelFileError {
     /// Cut short, or changed.
     #[error("the file is damaged: its checksum is not that of its content")]
     Checksum,
-    /// The head is not what it should be.
+    /// The head is malformed.
     #[error("bad head: {0}")]
     Head(String),
-    /// A file of another time.
+    /// A file of another version of the format.
     #[error("the format has version {found}, but this program reads version {VERSION}")]
     Version {
-        /// What it says.
+        /// Version in the file.
         found: u32,
     },
-    /// A model of something else.
+    /// A model of another kind.
     #[error("it is a model of {found:?}, not of {expected:?}")]
     Model {
-        /// What it says.
+        /// Kind in the file.
         found: String,
-        /// What was looked for.
+        /// Kind that the program asked for.
         expected: &'static str,
     },
     /// Trained with another constant than the program has.
@@ -83,28 +83,28 @@ pub enum ModelFileError {
     Constant {
         /// The constant.
         name: String,
-        /// What the model says.
+        /// Value in the file.
         found: String,
-        /// What the program has.
+        /// Value in the program.
         expected: String,
     },
-    /// A part that it should have.
+    /// A part is missing.
     #[error("the part {name:?} is missing")]
     MissingPart {
         /// Its name.
         name: &'static str,
     },
-    /// A part that looks at something else.
+    /// A part that looks at other values.
     #[error("{name:?} looks at the values {}, not at {}", .found.join(", "), .expected.join(", "))]
     Values {
         /// The part.
         name: &'static str,
-        /// What it says.
+        /// Names of the values in the file.
         found: Vec<String>,
-        /// What was looked for.
+        /// Names of the values in the program.
         expected: Vec<&'static str>,
     },
-    /// A part that is not what its name says.
+    /// A part that cannot be read as what its name says.
     #[error("the part {name:?} is damaged")]
     Part {
         /// Its name.
@@ -113,20 +113,20 @@ pub enum ModelFileError {
 }
 
 impl ModelFile {
-    /// A model without parts, made as `made` says, by a program with these constants.
+    /// A model without parts, with this provenance and the constants of the program.
     pub fn new(model: &str, made: Provenance, constants: toml::Table) -> Self {
         let (model, parameters) = (model.to_owned(), toml::Table::new());
         let head = Head { model, version: VERSION, made, constants, parameters, parts: Vec::new() };
         Self { head, parts: Vec::new() }
     }
 
-    /// The same, trained with these parameters instead of the shipped ones, by their full names.
+    /// Adds the parameters that it was trained with instead of the shipped ones, by their full names.
     pub fn with_parameters(mut self, parameters: toml::Table) -> Self {
         self.head.parameters = parameters;
         self
     }
 
-    /// The same with a forest.
+    /// Adds a forest.
     pub fn with_forest<const D: usize>(
         self,
         name: &'static str,
@@ -141,12 +141,12 @@ impl ModelFile {
         self.with_part(name, values.map(str::to_owned).to_vec(), bytes)
     }
 
-    /// The same with side profiles.
+    /// Adds side profiles.
     pub fn with_prototypes(self, library: &PrototypeLibrary) -> Self {
         self.with_part(PROTOTYPES, Vec::new(), library.to_toml().into_bytes())
     }
 
-    /// The same with these bytes, which look at these values.
+    /// Adds a part of these bytes, which looks at these values.
     pub(crate) fn with_part(mut self, name: &str, values: Vec<String>, bytes: Vec<u8>) -> Self {
         self.head.parts.push(PartHead { name: name.to_owned(), values, n_bytes: bytes.len() });
         self.parts.push(bytes);
@@ -167,12 +167,12 @@ impl ModelFile {
         bytes
     }
 
-    /// The model of `model` that `bytes` hold, trained with these constants of the program.
+    /// The model of kind `model` that `bytes` hold, trained with these constants of the program.
     ///
     /// # Errors
     ///
-    /// [`ModelFileError`] if they hold none, one of something else or of another version, one that was trained with other
-    /// constants, or a damaged one.
+    /// [`ModelFileError`] if they hold no model, one of another kind or version, one that was trained with other constants,
+    /// or a damaged one.
     pub fn from_bytes(
         bytes: &[u8],
         model: &'static str,
@@ -186,11 +186,11 @@ impl ModelFile {
         Ok(file)
     }
 
-    /// The model that `bytes` hold, whatever it is of.
+    /// The model that `bytes` hold, of any kind.
     ///
     /// # Errors
     ///
-    /// [`ModelFileError`] if they hold none, or one of another version, or a damaged one.
+    /// [`ModelFileError`] if they hold no model, one of another version, or a damaged one.
     pub fn of_any_kind(bytes: &[u8]) -> Result<Self, ModelFileError> {
         let after_magic = bytes.strip_prefix(MAGIC).ok_or(ModelFileError::Magic)?;
         let content = bytes.len().checked_sub(N_CHECKSUM).filter(|&it| it >= MAGIC.len());
@@ -218,7 +218,7 @@ impl ModelFile {
         Ok(Self { head, parts })
     }
 
-    /// What it was made of.
+    /// Its provenance.
     pub fn made(&self) -> &Provenance {
         &self.head.made
     }
@@ -290,7 +290,7 @@ pub(crate) fn f32_numbers(bytes: &[u8]) -> Option<Vec<f32>> {
     numbers.map(|it| Some(it).filter(|it| it.is_finite())).collect()
 }
 
-/// A constant that only the model knows is not looked at: whoever reads it asks for it.
+/// Constants that only the model has are not checked: their readers ask for them.
 fn check_constants(found: &toml::Table, expected: &toml::Table) -> Result<(), ModelFileError> {
     for (name, value) in expected {
         let in_model = found.get(name);
@@ -364,7 +364,7 @@ mod tests {
         assert_eq!(file.forest("objects", VALUES), Ok(forest()));
         assert_eq!(file.prototypes(), Ok(library()));
         assert_eq!(file.to_bytes(), bytes);
-        // People find what it was made of in it.
+        // People find the provenance in it.
         let text = String::from_utf8_lossy(&bytes);
         assert!(text.contains("command = \"train\"") && text.contains("cost = 0.42"), "{text}");
     }
@@ -398,7 +398,7 @@ mod tests {
         );
     }
 
-    /// The model with a changed head, and the checksum of that.
+    /// The file of the model with a changed head, and with the checksum of that.
     fn with_head(change: impl FnOnce(&mut Head)) -> Vec<u8> {
         let mut model = model();
         change(&mut model.head);
@@ -427,7 +427,7 @@ mod tests {
     #[test]
     fn numbers_that_are_none_are_refused() {
         let mut file = model();
-        // The base, and a value that there is not.
+        // The base is not finite; then a decision looks at a value that does not exist.
         file.parts[0][..4].copy_from_slice(&f32::NAN.to_le_bytes());
         assert_eq!(file.forest("objects", VALUES), Err(ModelFileError::Part { name: "objects" }));
         let mut file = model();

@@ -16,7 +16,7 @@ pub struct NuSvm<const D: usize> {
     deviations: [f32; D],
     gamma: f32,
     rho: f32,
-    /// With their coefficients; those that fill up the last block have none.
+    /// Support vectors with their coefficients; those that fill up the last block have coefficient 0.
     support: Vec<(VectorBlock<D>, [f32; LANES])>,
 }
 

@@ -1,4 +1,4 @@
-//! From an object to how surely it is a vehicle, by the values of the paper alone.
+//! The decision whether an object is a vehicle, by the values of the paper alone.
 
 use std::sync::LazyLock;
 
@@ -11,10 +11,10 @@ use crate::describe::prototype_library::PrototypeLibrary;
 use crate::describe::trained_file::Provenance;
 use crate::oriented_box::OrientedBox;
 
-/// The decision on what has no points: on the margin of the background.
+/// The decision on an object without points: on the margin of the background.
 pub const NO_VEHICLE: f32 = -1.0;
 
-/// What it calls itself in its file.
+/// Kind of the model in its file.
 const PAPER_MODEL: &str = "paper";
 
 /// The paper's features and their classifier, with buffers for one object after another.
@@ -37,8 +37,8 @@ impl PaperModel {
         SHIPPED.clone()
     }
 
-    /// The same, trained with ν and γ as they are printed, where [`Self::shipped`] has those that are best on held-out
-    /// drives.
+    /// The model of the program trained with ν and γ as they are printed, where [`Self::shipped`] has those that are best on
+    /// held-out drives.
     ///
     /// Paper: VM section 5.
     pub fn as_printed() -> Self {
@@ -73,7 +73,7 @@ impl PaperModel {
         svm.put_into(ModelFile::new(PAPER_MODEL, made, toml::Table::new()).with_prototypes(library))
     }
 
-    /// What the classifier sees of an object with these points, in the sensor frame. `None` without points.
+    /// The values that the classifier sees of an object with these points, in the sensor frame. `None` without points.
     pub fn values(
         &mut self,
         bounding_box: &OrientedBox,
@@ -82,13 +82,13 @@ impl PaperModel {
         self.describer.describe(bounding_box, positions_m)
     }
 
-    /// How surely what is seen like this is a vehicle: above 0 it is one. What shows nothing has the margin of the
-    /// background.
+    /// The decision value of an object with these values: above 0 it is classified as a vehicle. Without values it is on the
+    /// margin of the background.
     pub fn decision_on(&self, values: Option<&[f32; N_PAPER_FEATURES]>) -> f32 {
         values.map_or(NO_VEHICLE, |it| self.svm.decision(it))
     }
 
-    /// What the side profiles of objects are compared with.
+    /// The prototypes that the side profiles of objects are compared with.
     pub fn prototypes(&self) -> &PrototypeLibrary {
         self.describer.library()
     }

@@ -42,7 +42,7 @@ pub struct RefinementBuffers {
 
 impl RefinementForests {
     /// Writes to `expected_ious` the expected IoU of each of the `described` nodes of a tree after so many `rounds`, at
-    /// least one. `upward` are all nodes, parts before what they are parts of, as `whole_of` says.
+    /// least one. `upward` are all nodes, parts before their wholes, which `whole_of` returns.
     pub fn expected_ious<'a>(
         &self,
         rounds: u8,
@@ -84,7 +84,7 @@ mod tests {
     #[test]
     fn what_the_round_before_expects_little_of_is_not_refined() {
         // An expected IoU of 0.5 if the first value is 1 and more, and 0.1 if not; then 0.14 or 0.3 if it is 3 and more; then
-        // 0.9 whatever is seen.
+        // 0.9 for all values.
         let mut leaves = [0.5; N_LEAVES];
         leaves[..N_LEAVES / 2].fill(0.1);
         let tree = DecisionTree { value_of_split: [0; N_LEAVES], thresholds: [1.0; N_LEAVES], leaves };

@@ -17,16 +17,16 @@ pub struct SizeGateParams {
     pub max_length_m: f32,
     /// Widest width.
     pub max_width_m: f32,
-    /// Lowest height of what is seen.
+    /// Lowest height of the seen part.
     pub min_height_m: f32,
-    /// Highest height of what is seen.
+    /// Highest height of the seen part.
     pub max_height_m: f32,
 }
 
-/// Calls a vehicle whatever has the size of the visible part of one, and an object everything else.
+/// Classifies every object with the size of the visible part of a vehicle as a vehicle, and all others as objects.
 ///
-/// It knows nothing of shape: a stretch of hedge passes. All detectors share it, so that they are compared by what they
-/// give it, and it gives no score.
+/// It ignores shape: a stretch of hedge passes. All detectors share it, so that they are compared by the clusters they give
+/// it, and it gives no score.
 pub fn size_gate(n_points: usize, bounding_box: &OrientedBox, params: &SizeGateParams) -> DetectedClass {
     let [length_m, width_m, height_m] = bounding_box.length_width_height_m;
     let fits = n_points >= params.min_points

@@ -1,4 +1,4 @@
-//! A trained support vector machine, and how it stands in a model file.
+//! A trained support vector machine, and its part of a model file.
 
 use super::model_file::{ModelFile, ModelFileError, f32_bytes, f32_numbers};
 
@@ -63,7 +63,7 @@ impl<const D: usize> SvmModel<D> {
         support.remainder().is_empty().then_some(model)
     }
 
-    /// Whether a training can have given it. Its numbers are finite.
+    /// Whether training can have produced these numbers. They are finite.
     fn is_sound(&self) -> bool {
         let sum: f64 = self.coefficients.iter().map(|&it| f64::from(it)).sum();
         let size: f64 = self.coefficients.iter().map(|&it| f64::from(it).abs()).sum();

@@ -1,4 +1,4 @@
-//! From labelled vectors to a classifier.
+//! Classifiers trained on labelled vectors.
 
 use super::nu_svc_solver::{NuSvcError, NuSvcParams, solve_nu_svc};
 use super::svm_model::SvmModel;

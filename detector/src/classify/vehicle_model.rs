@@ -1,4 +1,4 @@
-//! From an object to a decision whether it is a vehicle. Baselines that classify as the paper does share it.
+//! The decision whether an object is a vehicle. Baselines that classify as the paper does share it.
 
 use std::sync::{Arc, LazyLock};
 
@@ -12,10 +12,10 @@ use crate::describe::vehicle_features::{N_FEATURES, VEHICLE_FEATURES, VehicleDes
 use crate::detection::DetectedClass;
 use crate::oriented_box::OrientedBox;
 
-/// The decision for objects that no model needs to judge: less likely a vehicle than anything that is ranked as one.
+/// The decision for objects that no model needs to judge: less likely a vehicle than any object that is ranked as one.
 pub const NO_VEHICLE: f32 = -10.0;
 
-/// What a model of clusters calls itself in its file.
+/// Kind of a model of clusters in its file.
 pub const CLUSTER_MODEL: &str = "clusters";
 /// The forest in it.
 const VEHICLES: &str = "vehicles";
@@ -64,13 +64,13 @@ impl VehicleModel {
         file.with_forest(VEHICLES, VEHICLE_FEATURES, &self.forest)
     }
 
-    /// The same model, which is asked only about objects that `bounds` allow.
+    /// Restricts the model to objects that `bounds` allow.
     pub fn within(self, bounds: VehicleBoundsParams) -> Self {
         Self { bounds, ..self }
     }
 
-    /// What the classifier sees of an object with these points, in the sensor frame, and these surroundings. `None` without
-    /// points, or if its size says that it is no vehicle.
+    /// The values that the classifier sees of an object with these points, in the sensor frame, and these surroundings.
+    /// `None` without points, or if its size says that it is no vehicle.
     pub fn values(
         &mut self,
         bounding_box: &OrientedBox,
@@ -83,23 +83,23 @@ impl VehicleModel {
         self.describer.describe(bounding_box, surroundings, positions_m)
     }
 
-    /// The logarithm of the odds that an object with these features is a vehicle.
+    /// The logarithm of the odds that an object with these features is a vehicle; [`NO_VEHICLE`] without features.
     pub fn decision_on(&self, values: Option<&[f32; N_FEATURES]>) -> f32 {
         values.map_or(NO_VEHICLE, |it| self.forest.sum(it))
     }
 
-    /// What the side profiles of objects are compared with.
+    /// The prototypes that the side profiles of objects are compared with.
     pub fn prototypes(&self) -> &PrototypeLibrary {
         self.describer.library()
     }
 }
 
-/// What makes a vehicle of an object that a model was asked about.
+/// Thresholds by which an object that a model judged is a vehicle.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct VehicleRule {
     /// Fewest points: models are trained on larger objects.
     pub least_points: usize,
-    /// What the decision of the model is above.
+    /// The decision of the model must be above this.
     pub least_decision: f32,
 }
 

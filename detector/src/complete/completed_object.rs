@@ -1,4 +1,4 @@
-//! An object with the points that were found for it.
+//! An object together with the points that completion found for it.
 
 use crate::oriented_box::OrientedBox;
 use crate::point_cloud::PointCloud;

@@ -1,4 +1,4 @@
-//! Points of an object that the foreground left out, and its box shows to be its own.
+//! Points in the box of an object that the foreground left out.
 
 use serde::Deserialize;
 
@@ -19,8 +19,8 @@ pub struct CompletionParams {
     pub clearance_m: f32,
 }
 
-/// Gives every object the points within its box that belong to no object: wheels, feet and sills below the clearance of
-/// the foreground, and what lies in cells that were taken for ground or clutter.
+/// Gives every object the points within its box that belong to no object: wheels, feet and sills below the clearance of the
+/// foreground, and points in cells that were taken for ground or clutter.
 ///
 /// The paper's objects end where its foreground cells end. Annotations do not: on a car at 40 m that shows three rings, one
 /// of them lies on the wheels.
@@ -47,10 +47,10 @@ struct OverCell {
 const NONE: u32 = u32::MAX;
 /// Half the diagonal of a square, as a multiple of its side, and a little more.
 const HALF_DIAGONAL: f32 = 0.71;
-/// More than coordinates are rounded by.
+/// More than the rounding of coordinates.
 const ROUNDING_M: f32 = 0.01;
 
-/// Where an object's points may be.
+/// Region in which an object's points may be.
 #[derive(Debug, Clone, Copy)]
 struct Footprint {
     center_m: [f32; 2],
@@ -101,13 +101,13 @@ impl Completion {
         }
     }
 
-    /// Whether anything is found at all.
+    /// Whether objects are completed at all.
     pub fn is_enabled(&self) -> bool {
         self.params.enabled
     }
 
-    /// Finds what belongs to `objects`, boxes with the elevation of the ground below them and the points they have, in a
-    /// scan that `grid` holds. A point in two boxes belongs to the first.
+    /// Finds the points that belong to `objects`, which are boxes with the elevation of the ground below them and the points
+    /// they have, in a scan that `grid` holds. A point in two boxes belongs to the first.
     ///
     /// Returns pairs of object and point, ascending.
     pub fn find<'a>(
@@ -124,7 +124,7 @@ impl Completion {
         &self.added
     }
 
-    /// What was found for object `object_idx` of the latest scan: pairs of object and point, ascending.
+    /// Points found for object `object_idx` of the latest scan: pairs of object and point, ascending.
     pub fn added_to(&self, object_idx: usize) -> &[[u32; 2]] {
         let n_before = |end: u32| self.added.partition_point(|&[of_object, _]| of_object < end);
         &self.added[n_before(object_idx as u32)..n_before(object_idx as u32 + 1)]
@@ -149,7 +149,7 @@ impl Completion {
                 self.is_taken[point_idx as usize] = true;
             }
         }
-        // Each is put before those over the same cell that were put there earlier, hence backward.
+        // Each is put before the earlier ones over the same cell, hence backward.
         for object_idx in (0..self.footprints.len()).rev() {
             self.put_over_cells(grid, object_idx);
         }
@@ -195,7 +195,7 @@ impl Completion {
                 over = next;
             }
         }
-        // One comparison of numbers for two.
+        // Two numbers are compared as one.
         self.added.sort_unstable_by_key(|&[object_idx, point_idx]| {
             u64::from(object_idx) << 32 | u64::from(point_idx)
         });

@@ -1,4 +1,4 @@
-//! The points of objects that are no foreground.
+//! Completion of objects by points that are no foreground.
 
 pub mod completion;
 pub mod completed_object;

@@ -46,7 +46,7 @@ impl BoxFramePoints {
     }
 }
 
-/// Points that are looked at side by side.
+/// Points that are processed side by side.
 pub(super) const LANES: usize = 8;
 
 /// Sum of `value` over a column, in the same order on every machine.
@@ -77,7 +77,7 @@ pub(crate) fn extent_m(column: &[f32]) -> Option<[f32; 2]> {
     Some([low, high])
 }
 
-/// One number of several, by halves.
+/// Reduces several numbers to one, by halves.
 #[inline(always)]
 pub(super) fn reduced(mut lanes: [f32; LANES], of_two: impl Fn(f32, f32) -> f32) -> f32 {
     let mut half = LANES / 2;

@@ -1,4 +1,4 @@
-//! What the coarse cells around an object are.
+//! The classes of the coarse cells around an object.
 
 use crate::grid::hierarchical_grid::HierarchicalGrid;
 use crate::oriented_box::OrientedBox;
@@ -11,7 +11,7 @@ const REACH_M: [f32; 2] = [0.4, 2.2];
 /// Columns are rounded up to a multiple of this where there are as many, so that a vectorised loop leaves none over.
 const N_ABREAST: u32 = 16;
 
-/// Shares of the coarse cells around a box, by what they are.
+/// Shares of the coarse cells around a box, by class.
 ///
 /// Street is seen to the sides of a lorry, and before it; a piece of a façade goes on as façade. Not in the papers, whose
 /// classifier sees an object alone.
@@ -26,7 +26,7 @@ pub struct CellsAround {
 }
 
 impl CellsAround {
-    /// What is around `bounding_box` in a scan; `classes` are those of all cells of `grid`.
+    /// The shares around `bounding_box` in a scan; `classes` are those of all cells of `grid`.
     pub fn of(bounding_box: &OrientedBox, grid: &HierarchicalGrid, classes: &[SurfaceClass]) -> Self {
         let [center_x_m, center_y_m, _] = bounding_box.center_m;
         let [half_length_m, half_width_m, _] = bounding_box.length_width_height_m.map(|it| 0.5 * it);
@@ -36,7 +36,7 @@ impl CellsAround {
         let first = grid.nearest_column_and_row([center_x_m - dx_m, center_y_m - dy_m]);
         let last = grid.nearest_column_and_row([center_x_m + dx_m, center_y_m + dy_m]);
         let n_columns = grid.n_columns();
-        // What is out of reach does not count.
+        // Cells out of reach do not count.
         let n_abreast = (last[0] + 1 - first[0]).next_multiple_of(N_ABREAST).min(n_columns - first[0]);
         let counts = vectorised(RingCount {
             center_m: [center_x_m, center_y_m],
@@ -58,7 +58,7 @@ impl CellsAround {
     }
 }
 
-/// How many cells there are in a ring, how many of them are nearer than the middle of the box, and what they are.
+/// Numbers of cells in a ring: all, those nearer than the middle of the box, and those by class.
 #[derive(Debug, Clone, Copy, Default)]
 struct Counts {
     n: u32,
@@ -114,8 +114,8 @@ mod tests {
     use super::*;
     use crate::params::HierarchicalParams;
 
-    /// What is around a lorry of 4 m by 2 m, 12 m before the sensor, where `class_at` says what each position of the ground
-    /// plan is.
+    /// The shares around a lorry of 4 m by 2 m, 12 m before the sensor, where `class_at` returns the class of each position
+    /// of the ground plan.
     fn around_lorry(class_at: impl Fn([f32; 2]) -> SurfaceClass) -> CellsAround {
         let grid = HierarchicalGrid::new(HierarchicalParams::shipped().grid);
         let n_cells = grid.cells().len() as u32;

@@ -1,4 +1,4 @@
-//! How far the surface of an object is from the upper corners of its box.
+//! Distances of the surface of an object from the upper corners of its box.
 
 use super::box_frame_points::{BoxFramePoints, LANES, extent_m, reduced};
 use crate::vector_instructions::lesser;
@@ -37,8 +37,8 @@ impl CornerSpheres {
     /// The radii by the object's own front and near side.
     ///
     /// The front is the pair of larger mean, as the paper's figure has it. The near side is the one whose two radii are
-    /// smaller together: mostly the one that the sensor sees. Both radii of a side stay on it, so that the box may be
-    /// turned by half a turn, or the whole object mirrored, without changing anything. What ties is ordered by value.
+    /// smaller together: mostly the one that the sensor sees. Both radii of a side stay on it, so that the box may be turned
+    /// by half a turn, or the whole object mirrored, without changing anything. Ties are ordered by value.
     pub fn ordered(&self) -> OrderedRadii {
         let [front_left, back_left, back_right, front_right] = self.radii_m;
         let ways = [
@@ -66,7 +66,7 @@ impl OrderedRadii {
     }
 }
 
-/// From a position in the frame of the box to the nearest of the points.
+/// Distance from a position in the frame of the box to the nearest of the points.
 #[inline(always)]
 fn nearest_m(points: &BoxFramePoints, [front, left]: [f32; 2], top_m: f32) -> f32 {
     let squared = |along: f32, across: f32, up: f32| {

@@ -1,11 +1,11 @@
 //! The features that distinguish vehicles from other objects.
 
-// Which objects are described at all, and what stands around them.
+// Which objects are described at all, and their surroundings.
 pub mod seen_size;
 pub mod surroundings;
 pub mod cells_around;
 
-// The points in the frame of their box, and what is taken from them.
+// The points in the frame of their box, and the values taken from them.
 pub mod box_frame_points;
 pub mod corner_spheres;
 pub mod side_profile;
@@ -20,7 +20,7 @@ pub mod trained_file;
 pub mod prototype_library;
 pub mod prototype_file;
 
-// What a classifier sees of an object: the values of the papers, and ours.
+// The values that a classifier sees of an object: those of the papers, and ours.
 pub mod object_describer;
 pub mod paper_features;
 pub mod vehicle_features;

@@ -1,8 +1,8 @@
-//! What a support vector machine sees of an object.
+//! The values that a support vector machine sees of an object.
 
 use crate::oriented_box::OrientedBox;
 
-/// Takes the `D` values of a vehicle model from one object after another.
+/// Computes the `D` values of a vehicle model for one object after another.
 pub trait ObjectDescriber<const D: usize> {
     /// The names of the values, as in files.
     const NAMES: [&'static str; D];

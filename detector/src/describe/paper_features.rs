@@ -11,8 +11,8 @@ use crate::vector_instructions::{HotLoop, vectorised};
 /// Number of values.
 pub const N_PAPER_FEATURES: usize = 8;
 
-/// What the classifier of the paper sees of an object: three components, eight values. With buffers for one object after
-/// another.
+/// The values that the classifier of the paper sees of an object: three components, eight values. With buffers for one
+/// object after another.
 ///
 /// Paper: VM sections 4 and 5.
 #[derive(Debug, Clone, PartialEq)]
@@ -51,7 +51,7 @@ impl PaperDescriber {
         Self { library, points: BoxFramePoints::default(), profile }
     }
 
-    /// What profiles are compared with.
+    /// The prototypes that profiles are compared with.
     pub fn library(&self) -> &PrototypeLibrary {
         &self.library
     }

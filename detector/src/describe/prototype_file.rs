@@ -7,9 +7,9 @@ use serde::Deserialize;
 use super::prototype_library::{Prototype, PrototypeLibrary};
 use super::trained_file::Provenance;
 
-/// What the text calls itself.
+/// Name of the format in the text.
 const FORMAT: &str = "scanbench side profiles";
-/// Of the format; other versions are refused.
+/// Version of the format; other versions are refused.
 const VERSION: i64 = 1;
 
 #[derive(Deserialize)]

@@ -10,7 +10,7 @@ use crate::portable_math::single;
 #[derive(Debug, Clone, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Prototype {
-    /// What it is.
+    /// Name of the vehicle.
     pub name: String,
     /// Its concave contour: corners (along, up) in metres, with the front at the greater end.
     pub contour_m: Vec<[f32; 2]>,
@@ -26,7 +26,7 @@ pub struct PrototypeLibrary {
     functions: Vec<[TurningFunction; 2]>,
 }
 
-/// Which way a profile looks, along the axis of its box.
+/// Direction in which a profile faces along the axis of its box.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Facing {
     /// The front is at the greater end.
@@ -40,7 +40,7 @@ pub enum Facing {
 pub struct NearestPrototype {
     /// Its index in the library.
     pub prototype_idx: usize,
-    /// Which way the object looks if it is this.
+    /// Direction of the object if it is like this prototype.
     pub facing: Facing,
     /// Difference of the contours in 0 to 1.
     pub difference: f32,
@@ -52,10 +52,10 @@ pub enum PrototypeLibraryError {
     /// Columns that no profile can be made of.
     #[error("column_m = {column_m} is not within 0.02 to 2 m")]
     Column {
-        /// The width it says.
+        /// The width.
         column_m: f32,
     },
-    /// Nothing to compare with.
+    /// No prototype to compare with.
     #[error("there is no prototype")]
     Empty,
     /// A prototype that is no outline.
@@ -63,7 +63,7 @@ pub enum PrototypeLibraryError {
     Contour {
         /// Its index.
         prototype_idx: usize,
-        /// What it is called.
+        /// Its name.
         name: String,
     },
 }
@@ -97,12 +97,12 @@ impl PrototypeLibrary {
         Ok(Self { made, column_m, prototypes, functions })
     }
 
-    /// What it was made of.
+    /// Its provenance.
     pub fn made(&self) -> &Provenance {
         &self.made
     }
 
-    /// Greatest width of a column of the contours, in metres: what is compared with them has to have the same.
+    /// Greatest width of a column of the contours, in metres: contours that are compared with them need the same.
     pub fn column_m(&self) -> f32 {
         self.column_m
     }
@@ -113,7 +113,7 @@ impl PrototypeLibrary {
     }
 
     /// The prototype that `contour_m` (corners along, up in metres) differs least from, facing either way; the first of
-    /// equally near ones. `None` if the contour goes around nothing, or differs from all as far as can be.
+    /// equally near ones. `None` if the contour has no turning function, or differs from all as far as can be.
     ///
     /// Paper: VM sections 4 and 5.
     #[inline(always)]

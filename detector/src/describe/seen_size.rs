@@ -28,8 +28,8 @@ impl VehicleBoundsParams {
     }
 }
 
-/// Whether what is seen of a vehicle may have this box above ground of elevation `ground_m`. If not, no model is asked, nor
-/// trained on it.
+/// Whether the seen part of a vehicle may have this box above ground of elevation `ground_m`. If not, no model is asked
+/// about it, nor trained on it.
 pub fn may_be_vehicle(bounding_box: &OrientedBox, ground_m: f32) -> bool {
     let [length_m, width_m, height_m] = bounding_box.length_width_height_m;
     let top_m = bounding_box.center_m[2] + 0.5 * height_m - ground_m;

@@ -1,4 +1,4 @@
-//! What an object looks like from the side.
+//! The profile of an object from the side.
 
 use super::box_frame_points::{BoxFramePoints, extent_m};
 use crate::vector_instructions::{greater, lesser};
@@ -13,8 +13,8 @@ use crate::vector_instructions::{greater, lesser};
 pub struct SideProfile {
     column_m: f32,
     column_of_point: Vec<u32>,
-    // Columns of every fourth point: the sensor stays in a column for a while, and the machine would wait each time for what
-    // it has just written.
+    // Columns of every fourth point: the sensor stays in a column for a while, and the machine would wait each time for the
+    // number just written.
     tables: Vec<[[f32; 2]; N_TABLES]>,
     columns: Vec<[f32; 2]>,
     contour_m: Vec<[f32; 2]>,
@@ -71,7 +71,7 @@ impl SideProfile {
         self.columns.extend(self.tables.iter().map(|column| column.iter().fold(EMPTY, both)));
     }
 
-    /// Along the bottom, and back along the top.
+    /// Traces the contour along the bottom, and back along the top.
     fn trace(&mut self, from_m: f32, to_m: f32) {
         let last = self.columns.len() - 1;
         let width_m = (to_m - from_m) / self.columns.len() as f32;
@@ -93,7 +93,7 @@ impl SideProfile {
 
 const N_TABLES: usize = 4;
 
-/// Lowest and highest of no points.
+/// Lowest and highest point of a column without points.
 const EMPTY: [f32; 2] = [f32::INFINITY, f32::NEG_INFINITY];
 
 #[cfg(test)]

@@ -7,7 +7,7 @@ const ON_SIDE_M: f32 = 0.15;
 
 /// The shares of an object's points that lie on the sides of its box.
 ///
-/// What is seen of a vehicle is a shell; beams enter a hedge or a crown, and regions cut at random are filled. Beyond the
+/// The seen part of a vehicle is a shell; beams enter a hedge or a crown, and regions cut at random are filled. Beyond the
 /// eight values of the paper.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct SideShares {
@@ -18,7 +18,7 @@ pub struct SideShares {
 }
 
 impl SideShares {
-    /// That of `points` of a box of `length_m` and `width_m`. `None` without points.
+    /// The shares of `points` of a box of `length_m` and `width_m`. `None` without points.
     #[inline(always)]
     pub fn of(points: &BoxFramePoints, length_m: f32, width_m: f32) -> Option<Self> {
         let n_points = points.along_m().len() as f32;

@@ -4,7 +4,7 @@ use super::box_frame_points::{BoxFramePoints, extent_m};
 
 /// Side of the squares within which a surface is taken for flat, in metres.
 const SQUARE_M: f32 = 0.3;
-/// Farther from the mean of their square than metal is from flat, ranging noise included, in metres.
+/// Points farther than this from the mean of their square are rough, in metres; metal with ranging noise is nearer.
 const ROUGH_M: f32 = 0.04;
 
 /// Points in a square: how many, and the sum of their depths.
@@ -19,13 +19,13 @@ pub struct RoughnessSquares {
     on_sides: Vec<Square>,
     /// On the ends, whose depth is along.
     on_ends: Vec<Square>,
-    // For every point, where its squares stand in both.
+    // For every point, the indices of its squares in both.
     indices: Vec<[u32; 2]>,
 }
 
 impl RoughnessSquares {
     /// The share of `points`, of a box of this length and width, that are far from the mean of their square on the side and
-    /// of that on the end. Points alone in their squares say nothing. `None` without points.
+    /// of that on the end. Points alone in their squares do not count. `None` without points.
     #[inline(always)]
     pub fn rough_share(&mut self, points: &BoxFramePoints, length_m: f32, width_m: f32) -> Option<f32> {
         let [low_m, high_m] = extent_m(points.up_m())?;

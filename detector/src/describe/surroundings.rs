@@ -1,4 +1,4 @@
-//! What stands around an object.
+//! The surroundings of an object.
 
 use std::ops::Range;
 
@@ -17,7 +17,7 @@ const N_ABREAST: usize = 16;
 
 /// The ground below an object, and the points of other objects around it.
 ///
-/// A car stands clear of what is before and behind it, by the width of a hand at least; a piece of a hedge goes on. Not in
+/// A car stands clear of things before and behind it, by the width of a hand at least; a piece of a hedge goes on. Not in
 /// the papers, whose classifier sees an object alone.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Surroundings {
@@ -29,7 +29,7 @@ pub struct Surroundings {
     pub occupied_share: f32,
 }
 
-/// How many points of objects there are over each cell of the ground.
+/// Number of points of objects over each cell of the ground.
 #[derive(Debug, Clone)]
 pub struct ObjectRaster {
     n_along_side: usize,
@@ -40,7 +40,7 @@ pub struct ObjectRaster {
 }
 
 impl ObjectRaster {
-    /// An empty raster of a square that reaches `extent_m` from the sensor to all sides. What lies outside is not counted.
+    /// An empty raster of a square that reaches `extent_m` from the sensor to all sides. Points outside are not counted.
     pub fn new(extent_m: f32) -> Self {
         let n_along_side = (2.0 * extent_m / CELL_M).ceil() as usize;
         Self {
@@ -69,7 +69,7 @@ impl ObjectRaster {
         for (position_m, n_more) in counts {
             let [column, row] = position_m.map(|it| (it + self.half_side_m) / CELL_M);
             let last = self.n_along_side as f32;
-            // False for what is not a number.
+            // False for NaN.
             if column >= 0.0 && row >= 0.0 && column < last && row < last {
                 let cell = row as usize * self.n_along_side + column as usize;
                 let n_points = &mut self.n_points[cell];
@@ -81,7 +81,7 @@ impl ObjectRaster {
         }
     }
 
-    /// What stands around `bounding_box` above ground of elevation `ground_m`. No point within the box is counted.
+    /// The surroundings of `bounding_box` above ground of elevation `ground_m`. No point within the box is counted.
     pub fn around(&self, bounding_box: &OrientedBox, ground_m: f32) -> Surroundings {
         let [center_x_m, center_y_m, _] = bounding_box.center_m;
         let [half_length_m, half_width_m, _] = bounding_box.length_width_height_m.map(|it| 0.5 * it);
@@ -94,7 +94,7 @@ impl ObjectRaster {
         };
         let middle_m = |cell: usize| (cell as f32 + 0.5) * CELL_M - self.half_side_m;
         let columns = cells(center_x_m, reach_m[0]);
-        // What is out of reach does not count.
+        // Cells out of reach do not count.
         let n_columns = columns.len().next_multiple_of(N_ABREAST);
         let columns = columns.start..(columns.start + n_columns).min(self.n_along_side);
         let first_dx = middle_m(columns.start) - center_x_m;
@@ -122,12 +122,12 @@ struct Ring {
     half_m: [f32; 2],
 }
 
-/// Counts what lies in the ring: points beyond the ends, cells with points, and all cells.
+/// Counts in the ring: points beyond the ends, cells with points, and all cells.
 struct RingCount<'a, Dy> {
     ring: Ring,
-    /// From the centre of the box to that of the first cell, in metres.
+    /// Along x from the centre of the box to that of the first cell, in metres.
     first_dx: f32,
-    /// The same across, to that of a row.
+    /// Along y from the centre of the box to that of a row, in metres.
     dy: Dy,
     n_points: &'a [u16],
     n_along_side: usize,
@@ -169,7 +169,7 @@ mod tests {
         OrientedBox { center_m: [10.0, 3.0, -0.9], length_width_height_m: [4.0, 1.8, 1.4], yaw_rad }
     }
 
-    /// Where this position in the frame of the box is.
+    /// The position in the sensor frame of this position in the frame of the box.
     fn at(it: &OrientedBox, along_m: f32, across_m: f32) -> [f32; 3] {
         let (sin, cos) = it.yaw_rad.sin_cos();
         let [x, y, z] = it.center_m;

@@ -1,8 +1,8 @@
-//! What all files that training writes have in common.
+//! The provenance of all files that training writes.
 
 use serde::{Deserialize, Serialize};
 
-/// What a file was made of: enough to make it again.
+/// Provenance of a trained file: enough to make it again.
 #[derive(Debug, Clone, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Provenance {
@@ -12,6 +12,6 @@ pub struct Provenance {
     pub data: Vec<String>,
     /// The seed of everything random.
     pub seed: u64,
-    /// What was held out.
+    /// The part of the data that was held out.
     pub split: String,
 }

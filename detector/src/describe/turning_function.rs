@@ -1,4 +1,4 @@
-//! How much the directions of two closed contours differ.
+//! Difference between the directions of two closed contours.
 
 use std::f32::consts::{PI, TAU};
 
@@ -51,7 +51,7 @@ impl TurningFunction {
         }
     }
 
-    /// Along edges that wind counter-clockwise.
+    /// The turning function of edges that wind counter-clockwise.
     fn along(edges: impl Iterator<Item = ([f32; 2], [f32; 2])> + Clone) -> Option<Self> {
         let vectors = edges.map(|(a, b)| [b[0] - a[0], b[1] - a[1]]).filter(|it| *it != [0.0, 0.0]);
         let length: f32 = vectors.clone().map(|[x, y]| single::hypot(x, y)).sum();
@@ -92,7 +92,7 @@ impl TurningFunction {
     /// [`Self::distance`] if it is below `bound`. The lower the bound, the faster this is.
     #[inline(always)]
     pub fn distance_below(&self, other: &Self, bound: f32) -> Option<f32> {
-        // Between sums of squares over the parts.
+        // Least sum of squares over the parts.
         let least_sum = |mean_difference_rad: f32| N_PARTS as f32 * mean_difference_rad * mean_difference_rad;
         let mut least = least_sum(bound * PI);
         let mut found = false;
@@ -126,7 +126,7 @@ impl TurningFunction {
         found.then(|| ((least / N_PARTS as f32).sqrt() / PI).min(1.0))
     }
 
-    /// Between our parts and those of `other`, for `N` shifts from `first_shift` on, all of them within half a turn.
+    /// Sums of squares between our parts and those of `other`, for `N` shifts from `first_shift` on within half a turn.
     #[inline(always)]
     fn sums_of_squares<const N: usize>(&self, other: &Self, first_shift: i32) -> [f32; N] {
         // Added up eight parts apart and then together, whatever `N` is.

@@ -15,10 +15,10 @@ use crate::vector_instructions::{HotLoop, vectorised};
 /// Number of values that the vehicle model looks at.
 pub const N_FEATURES: usize = 28;
 
-/// The names of what the classifier sees of an object, as in files.
+/// The names of the values that the classifier sees of an object, as in files.
 ///
-/// The first eight values are the paper's. The others are what these lack: height, values that distinguish a shell from a
-/// filled volume and leaves from metal, which side of the object is seen and how much of it, and what stands around it.
+/// The first eight values are the paper's. The others add height, values that distinguish a shell from a filled volume and
+/// leaves from metal, the seen side of the object and how much of it is seen, and the surroundings.
 ///
 /// Paper: VM section 5.
 pub const VEHICLE_FEATURES: [&str; N_FEATURES] = joined(
@@ -45,10 +45,10 @@ pub const VEHICLE_FEATURES: [&str; N_FEATURES] = joined(
         "on_ends_share",
         "on_sides_share",
         "rough_share",
-        // Its points; and that they lie the wider apart the farther they are.
+        // Its number of points; and the area they stand for: points lie wider apart the farther they are.
         "root_n_points",
         "root_seen_area",
-        // What stands around it.
+        // Its surroundings.
         "beyond_ends_share",
         "occupied_share",
     ],
@@ -81,7 +81,7 @@ impl VehicleDescriber {
         Self { of_paper: PaperDescriber::new(library), squares: RoughnessSquares::default() }
     }
 
-    /// What profiles are compared with.
+    /// The prototypes that profiles are compared with.
     pub fn library(&self) -> &PrototypeLibrary {
         self.of_paper.library()
     }
@@ -266,7 +266,7 @@ mod tests {
             };
             let here = describe(car(0.0, [0.0; 3]), false);
             let there = describe(car(yaw_rad, [x, y, -0.9]), turn);
-            // Where it is seen from, from how far, and squares that points on their borders may leave.
+            // The side and the distance it is seen from, and squares that points on their borders may leave.
             let changes = ["view_cosine", "root_seen_area", "rough_share"];
             let values = VEHICLE_FEATURES.iter().zip(here.iter().zip(there));
             for (name, (a, b)) in values.filter(|(name, _)| !changes.contains(name)) {

@@ -5,7 +5,7 @@ use crate::segment::dense_level::{DenseLevel, NO_BLOCK};
 use crate::segment::object_points::ObjectPoints;
 use crate::stage_product::{LinkFate, ObjectCell, ProductLink, Shape};
 
-/// All pairs of neighbouring blocks, from top to top: of `links` some were cut, and the others are not among them.
+/// All pairs of neighbouring blocks, from top to top: unlinked unless in `links`, cut if in `cut_links`, and otherwise kept.
 ///
 /// `links` and `cut_links` are ascending, as merging and separation leave them.
 ///

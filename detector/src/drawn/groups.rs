@@ -8,7 +8,7 @@ use crate::group::grouping_tree::GroupingTree;
 use crate::stage_product::Shape;
 use crate::surface_class::SurfaceClass;
 
-/// The class of every point: candidates are short, and of the rest of a cell it is that of the cell, or ground.
+/// The class of every point: candidates are short; the other points of a cell have the class of the cell, or are ground.
 pub fn candidate_classes(
     grid: &HierarchicalGrid,
     classes: &[SurfaceClass],

@@ -1,4 +1,4 @@
-//! What stages leave behind, as shapes to look at. Nothing here is on the way to a detection.
+//! Products of stages as shapes to look at. No detection depends on them.
 
 pub mod surfaces;
 pub mod walls;

@@ -1,4 +1,4 @@
-//! What cells and points are taken for.
+//! Classes of cells and points, to look at.
 
 use crate::grid::hierarchical_grid::{HierarchicalGrid, NO_CELL};
 use crate::stage_product::{ProductCell, Shape};

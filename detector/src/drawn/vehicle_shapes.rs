@@ -1,4 +1,4 @@
-//! What the features of objects were taken from.
+//! The shapes that the features of objects were taken from.
 
 use crate::describe::box_frame_points::{BoxFramePoints, extent_m};
 use crate::describe::corner_spheres::CornerSpheres;
@@ -38,7 +38,7 @@ pub fn vehicle_shapes(library: &PrototypeLibrary, fitted: &FittedObjects) -> Vec
     ]
 }
 
-/// From each upper corner to the nearest point; `None` without points.
+/// Spheres from each upper corner to the nearest point; `None` without points.
 fn corner_spheres(bounding_box: &OrientedBox, points: &BoxFramePoints) -> Option<[ProductSphere; 4]> {
     let [length_m, width_m, _] = bounding_box.length_width_height_m;
     let spheres = CornerSpheres::around(points, length_m, width_m)?;
@@ -53,7 +53,7 @@ fn corner_spheres(bounding_box: &OrientedBox, points: &BoxFramePoints) -> Option
 
 /// The convex contour of `points` on the same plane as the concave one: corners (along, up) in metres, counter-clockwise.
 ///
-/// Paper: VM section 4. It is what the concave one is seen against; the classifier does not use it.
+/// Paper: VM section 4. It is drawn for comparison with the concave one; the classifier does not use it.
 fn convex_contour(points: &BoxFramePoints) -> Vec<[f32; 2]> {
     let mut points_m: Vec<[f32; 2]> =
         points.along_m().iter().zip(points.up_m()).map(|(&along, &up)| [along, up]).collect();

@@ -5,7 +5,7 @@ use crate::vector_instructions::{HotLoop, vectorised};
 /// Reduces `points_m` to the corners of their convex hull, counter-clockwise from the corner with the smallest x, and
 /// of those the smallest y. Points along an edge and repeated points are no corners.
 ///
-/// One corner is left of points that are all the same, two of points on a line, none of none. The points must be finite.
+/// Points that are all the same leave one corner, points on a line two, no points none. The points must be finite.
 ///
 /// Monotone chain. Paper: VM section 4, reference 12.
 pub fn convex_hull(points_m: &mut Vec<[f32; 2]>, hull_m: &mut Vec<[f32; 2]>) {
@@ -36,7 +36,7 @@ fn x_then_y([x, y]: [f32; 2]) -> u64 {
     u64::from(ascending(x)) << 32 | u64::from(ascending(y))
 }
 
-/// Parts the points below the line from `first_m` to `last_m` from the others.
+/// Separates the points below the line from `first_m` to `last_m` from the others.
 fn split(
     points_m: &mut [[f32; 2]],
     first_m: [f32; 2],
@@ -54,9 +54,9 @@ fn split(
 /// Fewer points are sorted sooner than filtered.
 const MIN_POINTS_TO_FILTER: usize = 32;
 
-/// Drops most of the points that cannot be corners: those inside the octagon of the points farthest out in eight
-/// directions (Akl and Toussaint 1978), and then those inside of another one, turned by half a step. What is left has the
-/// same hull.
+/// Drops most of the points that cannot be corners: those inside the octagon of the points farthest out in eight directions
+/// (Akl and Toussaint 1978), and then those inside of another one, turned by half a step. The remaining points have the same
+/// hull.
 fn drop_inner_points(points_m: &mut Vec<[f32; 2]>) {
     // The tangents of no turn and of 22.5 degrees.
     for turned in [0.0, 0.414] {
@@ -69,7 +69,7 @@ fn drop_inner_points(points_m: &mut Vec<[f32; 2]>) {
     }
 }
 
-/// Points of which those inside an octagon are to be dropped.
+/// Points, and an octagon inside of which they are dropped.
 struct Filter<'a> {
     points_m: &'a mut [[f32; 2]],
     sides: Sides,
@@ -78,7 +78,7 @@ struct Filter<'a> {
 impl HotLoop for Filter<'_> {
     type Output = usize;
 
-    /// Puts those that are kept first, and returns how many they are.
+    /// Puts the kept points first, and returns their number.
     #[inline(always)]
     fn run(self) -> usize {
         let Self { points_m, sides } = self;
@@ -93,7 +93,7 @@ impl HotLoop for Filter<'_> {
     }
 }
 
-/// From here on every fourth point is good enough to build the octagon of: it may be any, as long as it is made of points.
+/// From here on every fourth point suffices to build the octagon of: any points may be its corners.
 const MIN_POINTS_TO_SAMPLE: usize = 256;
 
 const N_DIRECTIONS: usize = 8;
@@ -158,7 +158,7 @@ impl Octagon {
     }
 }
 
-/// Far above what rounding does to a turn, relative to the lengths it is made of, and far below a millimetre in ten metres.
+/// Far above the rounding of a turn, relative to the lengths it is made of, and far below a millimetre in ten metres.
 const ROUNDING: f32 = 1e-5;
 
 /// The sides of an octagon as starts and directions.

@@ -10,7 +10,7 @@ use crate::vector_instructions::{HotLoop, greater, lesser, vectorised};
 pub struct ConvexHullBox {
     outline_m: Vec<[f32; 2]>,
     hull_m: Vec<[f32; 2]>,
-    // Of the edge behind every corner.
+    // Direction of the edge behind every corner.
     directions: Vec<[f32; 2]>,
 }
 
@@ -180,7 +180,7 @@ mod tests {
         ConvexHullBox::default().fit(outline_m.iter().copied(), [-1.5, 0.0])
     }
 
-    /// What a sensor at the origin sees of a car: its two near sides.
+    /// The points of a car that a sensor at the origin sees: its two near sides.
     fn near_sides(car: &OrientedBox) -> Vec<[f32; 2]> {
         let [front_left, back_left, back_right, front_right] = car.footprint_m();
         let side = |from: [f32; 2], to: [f32; 2]| {
@@ -223,7 +223,7 @@ mod tests {
                 length_width_height_m: [4.2, 1.8, 1.5],
                 yaw_rad,
             };
-            // Two opposite sides are not what a sensor sees; the outline must hold an L.
+            // A sensor does not see two opposite sides; the outline must hold an L.
             let outline_m = near_sides(&car);
             let spread = fit(&outline_m).unwrap();
             prop_assume!(spread.length_width_height_m[1] > 0.5);

@@ -13,7 +13,7 @@ pub struct FittedObjects {
     /// Their points.
     pub members: Members,
     hulls_m: Vec<[f32; 2]>,
-    // What models look at, object by object.
+    // Values that models look at, object by object.
     values: Vec<f32>,
 }
 
@@ -24,7 +24,7 @@ pub struct FittedObject {
     pub members: Range<usize>,
     /// The box around them.
     pub bounding_box: OrientedBox,
-    /// How surely it is a vehicle, once that was asked.
+    /// How surely it is a vehicle, once a model has decided.
     pub decision: Option<f32>,
     /// Whether it is kept only if a model classifies it as a vehicle.
     pub has_low_iou: bool,
@@ -38,7 +38,7 @@ impl FittedObject {
         self.decision.is_some_and(|it| it > least_decision)
     }
 
-    /// What is reported of it, where `members` are its points and those of others.
+    /// The detection of this object; `members` are its points and those of others.
     pub fn detection<'a>(&self, members: &'a Members, class: DetectedClass) -> Detection<'a> {
         Detection::new(members.point_indices(&self.members), self.bounding_box, class, self.decision)
     }
@@ -72,7 +72,7 @@ impl FittedObjects {
         self.objects.last_mut().expect("it was pushed")
     }
 
-    /// Notes what a model looks at: the values that `describe` finds for the box and the positions of each object, if any.
+    /// Records the values of a model, which `describe` returns for the box and the positions of each object, if any.
     pub fn describe<const N: usize>(
         &mut self,
         mut describe: impl FnMut(&OrientedBox, &[[f32; 3]]) -> Option<[f32; N]>,
@@ -88,7 +88,7 @@ impl FittedObjects {
         }
     }
 
-    /// Decides about each object by the values that [`Self::describe`] noted.
+    /// Decides about each object by the values that [`Self::describe`] recorded.
     pub fn decide<const N: usize>(&mut self, decide: impl Fn(Option<&[f32; N]>) -> f32) {
         for object in &mut self.objects {
             let values = object.values.clone().map(|it| &self.values[it]);
@@ -124,12 +124,12 @@ pub struct Members {
 }
 
 impl Members {
-    /// Where the points of all lists are.
+    /// Positions of the points of all lists.
     pub fn all_positions_m(&self) -> &[[f32; 3]] {
         &self.positions_m
     }
 
-    /// Where the points of a list are, in the sensor frame.
+    /// Positions of the points of a list, in the sensor frame.
     pub fn positions_m(&self, list: &Range<usize>) -> &[[f32; 3]] {
         &self.positions_m[list.clone()]
     }

@@ -1,4 +1,4 @@
-//! The upright box that lies closest to what the sensor sees of an object.
+//! The upright box that lies closest to the seen outline of an object.
 
 use crate::fit::convex_hull::convex_hull;
 use crate::fit::convex_hull_box::{direction, half_turn_yaw};
@@ -8,9 +8,9 @@ use crate::vector_instructions::{HotLoop, greater, lesser, vectorised};
 
 /// Azimuths around the sensor whose nearest points are the outline: 0.2 degrees each, on average.
 const N_AZIMUTHS: usize = 1800;
-/// A point of the outline is at most this far from a side, in metres: what belongs to no side counts no more than that.
+/// Most distance that a point of the outline counts, in metres: points that belong to no side count no more than that.
 const MOST_DISTANCE_M: f32 = 0.3;
-/// Points that the sides are found by. Of more, every second, third and so on is taken.
+/// Most points that the sides are found by. Of more, every second, third and so on is taken.
 const MOST_POINTS: usize = 256;
 /// Points beyond a side, of a hundred.
 const N_TRIMMED_OF_100: usize = 1;
@@ -21,7 +21,7 @@ const TURNS_DEG: [f32; 4] = [-2.0, -1.0, 1.0, 2.0];
 /// Directions that are tried at the same time.
 const N_ABREAST: usize = 16;
 
-/// A box along the sides that are seen, with buffers for one object after another.
+/// A box along the seen sides, with buffers for one object after another.
 #[derive(Debug, Clone)]
 pub struct OutlineBox {
     /// Squared range and index of the nearest point of each azimuth.
@@ -130,8 +130,8 @@ impl OutlineBox {
     }
 }
 
-/// Which of [`N_AZIMUTHS`] a position is at: by the share of y in |x| + |y|, which grows as the angle does and needs no arc
-/// tangent.
+/// The azimuth of a position, one of [`N_AZIMUTHS`]: by the share of y in |x| + |y|, which grows as the angle does and needs
+/// no arc tangent.
 #[inline(always)]
 fn azimuth_of([x_m, y_m]: [f32; 2]) -> u32 {
     let sum_m = x_m.abs() + y_m.abs();
@@ -157,7 +157,7 @@ impl HotLoop for Polar<'_> {
     }
 }
 
-/// What directions are judged by.
+/// Points that directions are judged by.
 #[derive(Clone, Copy)]
 struct Points<'a> {
     taken_m: &'a [[f32; 2]],
@@ -188,7 +188,7 @@ impl Extremes {
         }
     }
 
-    /// Takes note of another number in each lane, where so many extremes are kept.
+    /// Adds a number in each lane to its extremes, of which `n_kept` are kept.
     #[inline(always)]
     fn add(&mut self, mut numbers: Lanes, n_kept: usize) {
         let mut others = numbers;
@@ -241,7 +241,7 @@ impl HotLoop for Distances<'_> {
     }
 }
 
-/// The box around points, of which there are some, with a side along `along`, a unit vector.
+/// The box around points, at least one, with a side along `along`, a unit vector.
 pub fn box_along([cos, sin]: [f32; 2], positions_m: &[[f32; 3]]) -> OrientedBox {
     let mut low_m = [f32::INFINITY; 3];
     let mut high_m = [f32::NEG_INFINITY; 3];

@@ -33,7 +33,7 @@ pub fn principal_axes_box(
     let mean_m = mean(positions_m.clone());
     let yaw_rad = main_direction_rad(covariance(positions_m.clone(), mean_m));
     let (sin, cos) = portable_math::sin_cos(yaw_rad);
-    // Not around the mean: points crowd on the sides that are seen.
+    // Not around the mean: points crowd on the seen sides.
     let mut low_m = [f64::INFINITY; 3];
     let mut high_m = [f64::NEG_INFINITY; 3];
     for [x_m, y_m, z_m] in positions_m {

@@ -12,8 +12,8 @@ use crate::portable_math::ln;
 /// Paper: HG section 4, t(min).
 pub const DENSE_ABOVE: u32 = 20;
 
-/// What the readings of the fitness of a cell size are made of. The cells are those of the smallest rectangle of cells
-/// that holds all points.
+/// Numbers that the readings of the fitness of a cell size are computed from. The cells are those of the smallest rectangle
+/// of cells that holds all points.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct CellTally {
@@ -45,8 +45,8 @@ pub enum FitnessReading {
     Printed,
     /// d / (d + s): of the cells with points, the share that is dense.
     DenseShare,
-    /// Of the standing cells the share that is dense, each weighted by n (8 − n) / 16, where n of its eight neighbours
-    /// are standing: 1 where half of them are; 0 where all are, and what stands there has merged, or none, and it has
+    /// The share of the standing cells that is dense, each weighted by n (8 − n) / 16, where n of its eight neighbours are
+    /// standing: 1 where half of them are; 0 where all are, and objects have merged, or where none is, and objects have
     /// fallen apart into single cells.
     PartedShare,
     /// Logarithm of the posterior probability of the cell size, per point, for a density that is constant within cells,
@@ -151,7 +151,7 @@ impl FitnessReading {
         }
     }
 
-    /// What the reading is said, or defined, to lie within; `None` for those without bounds.
+    /// The range that the reading is said, or defined, to lie within; `None` for readings without bounds.
     pub fn range(self) -> Option<[f64; 2]> {
         match self {
             Self::Printed | Self::DenseShare | Self::PartedShare => Some([0.0, 1.0]),
@@ -172,7 +172,7 @@ fn knuth(tally: &CellTally) -> f64 {
         + tally.ln_gamma_sum
 }
 
-/// Rudemo 1982 with the area of a cell instead of its width; `None` of fewer than two points.
+/// Rudemo 1982 with the area of a cell instead of its width; `None` for fewer than two points.
 fn rudemo(tally: &CellTally) -> Option<f64> {
     let n = tally.n_points as f64;
     let area_m2 = f64::from(tally.cell_size_m).powi(2);
@@ -265,7 +265,7 @@ mod tests {
         check(PartedShare, "#11\n#T1\n1.1", 0.0, 1.0);
         // Two side by side: 1 x 7 / 16 each.
         check(PartedShare, "TT", 0.875, 2.0);
-        // The same, one of them sparse.
+        // Two side by side, one of them sparse.
         check(PartedShare, "Tt", 0.4375, 2.0);
         // A wall: 2 x 6 / 16 within, 1 x 7 / 16 at the ends.
         check(PartedShare, "TTT", 0.75 + 0.875, 3.0);

@@ -1,4 +1,4 @@
-//! Which cells of a grid are meant.
+//! A set of cells of a grid.
 
 /// A set of cells that comes out in ascending order without being sorted: one bit a cell, read word by word.
 #[derive(Debug, Clone)]
@@ -19,7 +19,7 @@ impl CellSet {
         self.ascending.clear();
     }
 
-    /// Adds a cell, which may be in it already. [`Self::ascending`] knows nothing of it before [`Self::sort`].
+    /// Adds a cell, which may be in it already. [`Self::ascending`] lists it after the next [`Self::sort`].
     pub fn insert(&mut self, cell_idx: u32) {
         self.words[cell_idx as usize / 64] |= 1 << (cell_idx % 64);
     }

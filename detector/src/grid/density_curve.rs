@@ -14,10 +14,10 @@ pub const CURVE_VERSION: u32 = 1;
 const DEGREE: usize = 6;
 /// A ring with fewer points says too little about its density: it is left out of the fit.
 pub const LEAST_POINTS: u64 = 20;
-/// What the densities of the rings are called in errors.
+/// Name of the densities of the rings in errors.
 const RINGS: &str = "density_weighting.curve.ring_points_per_m2";
 
-/// The density of each ring around a sensor, the weight fitted to it, and what they were learned from.
+/// The density of each ring around a sensor, the weight fitted to it, and their origin.
 ///
 /// The weight at range r is exp(−p(r / 80 m)), with p the polynomial of the sixth degree that has
 /// [`Self::coefficients`] in the Bernstein basis. They start at or above 0 and never fall, hence neither does p: the weight
@@ -42,13 +42,13 @@ pub struct DensityCurve {
     pub command: String,
     /// Density of the densest ring, in points per square metre and scan.
     pub peak_points_per_m2: f64,
-    /// Of the logarithm of the weight, with the sign changed, in the Bernstein basis over r / 80 m.
+    /// Coefficients of the logarithm of the weight, with the sign changed, in the Bernstein basis over r / 80 m.
     pub coefficients: [f64; DEGREE + 1],
     /// Density of each ring, in points per square metre and scan.
     pub ring_points_per_m2: Vec<f64>,
 }
 
-/// What a curve was learned from.
+/// Origin of a curve.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct CurveOrigin {
     /// See [`DensityCurve::sensor`].
@@ -67,13 +67,13 @@ pub struct CurveOrigin {
 pub struct ImplausibleCurve {
     /// The field, as parameters of the detector are called.
     pub field: &'static str,
-    /// The value that cannot be.
+    /// The implausible value.
     pub value: f64,
-    /// What could be.
+    /// The plausible values.
     pub allowed: &'static str,
 }
 
-/// Too little was seen to fit a curve.
+/// Too few rings to fit a curve.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 #[error("only {n_rings} of {N_RINGS} rings have {LEAST_POINTS} points or more, but the fit needs {least}")]
 pub struct TooFewRings {
@@ -99,22 +99,22 @@ impl DensityCurve {
         Some(table.try_into().expect("every shipped file is read by a test"))
     }
 
-    /// The same, as the table `density_weighting.curve` of the parameters.
+    /// The curve of `sensor` as the table `density_weighting.curve` of the parameters, if one comes with the detector.
     pub fn shipped_table(sensor: &str) -> Option<toml::Table> {
         let (_, text) = SHIPPED.iter().find(|(known, _)| *known == sensor)?;
         let file: toml::Table = text.parse().expect("every shipped file is read by a test");
         file["hierarchical"]["density_weighting"]["curve"].as_table().cloned()
     }
 
-    /// The curve that scans with these points in their rings have.
+    /// The curve fitted to scans with these points in their rings.
     ///
-    /// Rings nearer than the densest one count as dense as that: what lies so near is shaded by the sensor's carrier, and
-    /// the paper leaves the density there as it is. Every ring that counts weighs the same in the least squares of
-    /// the logarithm. Numbers are rounded to six digits, so that every machine writes the same.
+    /// Rings nearer than the densest one count as dense as that: ground so near is shaded by the sensor's carrier, and the
+    /// paper leaves the density there as it is. Every ring that counts weighs the same in the least squares of the
+    /// logarithm. Numbers are rounded to six digits, so that every machine writes the same.
     ///
     /// # Errors
     ///
-    /// [`TooFewRings`] if there is less to fit to than there are coefficients.
+    /// [`TooFewRings`] if there are fewer rings with enough points than coefficients.
     pub fn fit(scans: &[RingCounts], origin: CurveOrigin) -> Result<Self, TooFewRings> {
         let mut n_points = [0_u64; N_RINGS];
         for scan in scans {
@@ -153,7 +153,7 @@ impl DensityCurve {
         })
     }
 
-    /// The weight at `range_m`, above 0 and at most 1; that of 1 m for what is nearer, of 80 m for what is farther.
+    /// The weight at `range_m`, above 0 and at most 1; that of 1 m for nearer ranges, of 80 m for farther ones.
     pub fn weight(&self, range_m: f64) -> f64 {
         let mut values = self.coefficients;
         let t = share_of_range(range_m);
@@ -195,11 +195,11 @@ impl DensityCurve {
         )
     }
 
-    /// Refuses what [`Self::fit`] never makes.
+    /// Refuses curves that [`Self::fit`] never makes.
     ///
     /// # Errors
     ///
-    /// [`ImplausibleCurve`] for the first value that cannot be.
+    /// [`ImplausibleCurve`] for the first implausible value.
     pub fn check(&self) -> Result<(), ImplausibleCurve> {
         let within = |field, value: f64, low: f64, high: f64, allowed| {
             let is_plausible = (low..=high).contains(&value);
@@ -247,7 +247,7 @@ fn share_of_range(range_m: f64) -> f64 {
 
 /// Ascending coefficients of the polynomial that comes nearest to the `targets`, pairs of range and value.
 fn fit_coefficients(targets: &[(f64, f64)]) -> [f64; DEGREE + 1] {
-    // Its unknowns are the steps from one coefficient to the next: what is at least 0 adds up to what ascends.
+    // Its unknowns are the steps from one coefficient to the next: steps of at least 0 add up to ascending coefficients.
     let basis = DMatrix::from_fn(targets.len(), DEGREE + 1, |row, column| {
         let bernstein = bernstein(share_of_range(targets[row].0));
         bernstein[column..].iter().sum::<f64>()
@@ -267,12 +267,12 @@ fn bernstein(t: f64) -> [f64; DEGREE + 1] {
     std::array::from_fn(|idx| BINOMIAL[idx] * t.powi(idx as i32) * (1.0 - t).powi((DEGREE - idx) as i32))
 }
 
-/// As TOML writes text.
+/// Text as TOML writes it.
 fn quoted(text: &str) -> String {
     toml::Value::String(text.to_owned()).to_string()
 }
 
-/// To six digits that count.
+/// A number rounded to six significant digits.
 fn rounded(value: f64) -> f64 {
     format!("{value:.5e}").parse().expect("what was written as a number is one")
 }
@@ -350,7 +350,7 @@ mod tests {
             assert_eq!(curve.to_toml(), text);
             assert_eq!((curve.sensor.as_str(), curve.check()), (sensor, Ok(())));
             assert_eq!(curve.seeds.len(), curve.datasets.len(), "{sensor}");
-            // What the file says was seen gives the weights that it says.
+            // The densities in the file give the weights in the file.
             let counts =
                 |idx: usize| curve.ring_points_per_m2[idx] * ring_area_m2(idx) * curve.n_scans as f64;
             let scans = [RingCounts::from_n_points(std::array::from_fn(|idx| counts(idx).round() as u64))];

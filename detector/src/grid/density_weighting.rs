@@ -21,7 +21,7 @@ pub struct DensityWeightingParams {
 /// Paper: HG section 4.
 #[derive(Debug, Clone)]
 pub struct DensityWeighting {
-    // At the middle of every metre from 0 on; the last holds for all that is farther.
+    // At the middle of every metre from 0 on; the last holds for all farther ranges.
     weight_by_metre: Vec<f32>,
     peak_points_per_m2: f32,
 }

@@ -18,7 +18,7 @@ pub struct GridParams {
     pub extent_m: f32,
 }
 
-/// What is known of the points above one coarse cell.
+/// Statistics of the points above one coarse cell.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct CoarseCell {
     /// Number of points.
@@ -209,7 +209,7 @@ impl HierarchicalGrid {
     }
 }
 
-/// The cells of all points of a scan are to be written.
+/// The task of finding the cells of all points of a scan.
 struct CellsOfPoints<'a> {
     grid: &'a mut HierarchicalGrid,
     cloud: &'a PointCloud,
@@ -229,8 +229,7 @@ const WHOLE_FROM: f32 = 8_388_608.0;
 
 /// `value` without its fraction, if it is at least 0 and below 2²²; anything otherwise.
 ///
-/// The same as casts to and fro. Compilers turn this into vector instructions on every machine, and casts, which saturate,
-/// not.
+/// Equal to casts to and fro. Compilers turn this into vector instructions on every machine, but not casts, which saturate.
 #[inline(always)]
 fn whole_part(value: f32) -> f32 {
     let rounded = (value + WHOLE_FROM) - WHOLE_FROM;

@@ -2,7 +2,7 @@
 
 use crate::group::grouping_tree::GroupingTree;
 
-/// Finds the disjoint groups of a tree of the greatest gain, in reusable buffers.
+/// Finds the disjoint groups of a tree whose gains have the greatest sum, in reusable buffers.
 #[derive(Debug, Clone, Default)]
 pub struct BestCut {
     order: Vec<u32>,
@@ -13,9 +13,8 @@ pub struct BestCut {
 }
 
 impl BestCut {
-    /// Writes to `taken` the nodes of `tree` of which none holds another and whose gains have the greatest sum, none with a
-    /// gain of 0 or less; of a whole and its parts of the same gain, the parts. `gain` is that of each node
-    /// alone.
+    /// Writes to `taken` the disjoint nodes of `tree` whose gains have the greatest sum, none with a gain of 0 or less; of a
+    /// whole and its parts of the same gain, the parts. `gain` is that of each node alone.
     ///
     /// best(n) = max(gain(n), Σ best(parts of n)): exact, and linear in the number of nodes.
     pub fn find(&mut self, tree: &GroupingTree, gain: impl Fn(u32) -> f32, taken: &mut Vec<u32>) {

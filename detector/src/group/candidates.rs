@@ -1,4 +1,4 @@
-//! The points that may belong to objects, with what speaks against it.
+//! The points that may belong to objects, with the evidence against it.
 
 use serde::Deserialize;
 
@@ -14,22 +14,22 @@ use crate::surface_class::SurfaceClass;
 #[derive(Debug, Clone, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct CandidatesParams {
-    /// Least clearance between what stands on the ground and what hangs over it, in metres.
+    /// Least clearance between things that stand on the ground and things that hang over them, in metres.
     pub min_clearance_m: f32,
     /// Clearance that is added for each metre of range, in metres.
     pub clearance_per_m: f32,
-    /// What begins higher than this above the terrain hangs, in metres.
+    /// Things whose foot is higher than this above the terrain hang, in metres.
     pub highest_foot_m: f32,
-    /// What stands higher than this above the terrain is no candidate, in metres: higher than trucks.
+    /// Things whose top is higher than this above the terrain are no candidates, in metres: higher than trucks.
     pub highest_top_m: f32,
 }
 
-/// Something that speaks against it that the points of a cell are those of an object of the street.
+/// Evidence that the points of a cell are not those of an object of the street.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Evidence {
     /// It lies on a wall.
     OnWall,
-    /// A wall hides it, so that it is seen through a window, or the wall is none.
+    /// A wall hides it: it is seen through a window, or the wall is none.
     BehindWall,
     /// It reaches higher than short objects.
     Tall,
@@ -41,24 +41,24 @@ pub enum Evidence {
     CutOff,
 }
 
-/// Number of things that may speak against it.
+/// Number of kinds of evidence.
 pub const N_EVIDENCE: usize = 6;
 
-/// All that speaks against the points of a cell.
+/// All evidence against the points of a cell.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct EvidenceAgainst(u8);
 
 impl Evidence {
-    /// Each, in the order of the values of groups.
+    /// All kinds, in the order of the values of groups.
     pub const ALL: [Self; N_EVIDENCE] =
         [Self::OnWall, Self::BehindWall, Self::Tall, Self::Covered, Self::BesideTall, Self::CutOff];
 }
 
 impl EvidenceAgainst {
-    /// Nothing does.
+    /// No evidence.
     pub const NONE: Self = Self(0);
 
-    /// Whether this does.
+    /// Whether `evidence` is among it.
     pub fn has(self, evidence: Evidence) -> bool {
         self.0 & (1 << evidence as u8) != 0
     }
@@ -68,9 +68,9 @@ impl EvidenceAgainst {
     }
 }
 
-/// The points of what stands on the ground.
+/// The points of things that stand on the ground.
 ///
-/// A wall is no verdict here: its points are candidates, and [`Self::evidence_against`] says where they lie.
+/// Walls exclude no point here: their points are candidates, and [`Self::evidence_against`] says where they lie.
 #[derive(Debug, Clone)]
 pub struct Candidates {
     params: CandidatesParams,
@@ -119,8 +119,8 @@ impl Candidates {
         }
     }
 
-    /// Looks into the tall ones among the cells: `classes` says before walls were looked for what they are, and a tall cell
-    /// whose highest point hangs over the street becomes a short one.
+    /// Looks into the tall cells. `classes` are those before walls were found; a tall cell becomes a short one if its
+    /// standing part is no taller than short objects, or hangs over the ground.
     pub fn find_hanging(
         &mut self,
         cloud: &PointCloud,
@@ -163,7 +163,7 @@ impl Candidates {
         self.part_columns(grid, terrain, classes);
     }
 
-    /// Parts what stands from what hangs over it in every cell that was looked into.
+    /// Separates standing things from hanging ones in every cell that was looked into.
     fn part_columns(&mut self, grid: &HierarchicalGrid, terrain: &Terrain, classes: &mut [SurfaceClass]) {
         for (column, &cell_idx) in self.looked_into.iter().enumerate() {
             self.column_of_cell[cell_idx as usize] = NOT_LOOKED_INTO;
@@ -178,7 +178,7 @@ impl Candidates {
             if foot_m > self.params.highest_foot_m {
                 against.add(Evidence::Covered, true);
                 self.hangs[cell_idx as usize] = true;
-                // The road is seen below it: only what the field of view cuts off may still bear a wall.
+                // The road is seen below it: only a cell that the field of view cuts off may still bear a wall.
                 if part.is_over_ground {
                     classes[cell_idx as usize] = SurfaceClass::Short;
                 }
@@ -200,7 +200,7 @@ impl Candidates {
     }
 
     /// Replaces the content by the points of the cells that [`Self::find_hanging`] found; `classes` are those after `walls`
-    /// were looked for.
+    /// were found.
     pub fn find(
         &mut self,
         cloud: &PointCloud,
@@ -247,17 +247,17 @@ impl Candidates {
         &self.cells
     }
 
-    /// How high candidates reach in each of [`Self::cells`], in metres.
+    /// Elevations up to which candidates reach in each of [`Self::cells`], in metres.
     pub fn tops_m(&self) -> &[f32] {
         &self.tops_m
     }
 
-    /// Whether all that there is in a cell of the latest scan hangs over the street, but for its ground.
+    /// Whether everything in a cell of the latest scan hangs over the street, but for its ground.
     pub fn hangs(&self, cell_idx: u32) -> bool {
         self.hangs[cell_idx as usize]
     }
 
-    /// What speaks against a cell of the latest scan.
+    /// The evidence against a cell of the latest scan.
     pub fn evidence_against(&self, cell_idx: u32) -> EvidenceAgainst {
         self.evidence_against[cell_idx as usize]
     }
@@ -274,15 +274,15 @@ struct StandingPart {
     // In metres above the terrain.
     foot_m: f32,
     top_m: f32,
-    // The top of all that is in the column.
+    // The top of everything in the column.
     highest_m: f32,
     // Whether ground is seen below it, and free height between.
     is_over_ground: bool,
 }
 
 impl StandingPart {
-    /// Of `heights` in steps above the terrain. Free height of `clearance_m` parts what hangs from what is below; the ground
-    /// reaches up to `ground_top_m`.
+    /// The standing part of `heights`, in steps above the terrain. Free height of `clearance_m` separates hanging things
+    /// from those below them; the ground reaches up to `ground_top_m`.
     fn of(heights: u64, clearance_m: f32, ground_top_m: f32) -> Self {
         let n_free = (clearance_m / STEP_M).round().max(1.0) as u32;
         let highest = 63 - heights.leading_zeros().min(63);
@@ -320,7 +320,7 @@ mod tests {
     /// A position, and heights above the road in decimetres.
     type Column = ([f32; 2], std::ops::Range<i8>);
 
-    /// Far from all else, and so high that the field of view ends far above everything else.
+    /// Far from everything else, and so high that the field of view ends far above everything else.
     const MAST: Column = ([-15.3, -15.3], 0..120);
 
     /// A level road with columns of points, each at a position and at heights above the road.
@@ -344,7 +344,7 @@ mod tests {
         (cloud, grid, candidates)
     }
 
-    /// The heights of the candidates above the road, in whole decimetres, and what speaks against the cell of the first.
+    /// The heights of the candidates above the road in whole decimetres, and the evidence against the first one's cell.
     fn found(columns: &[Column]) -> (Vec<i32>, Option<EvidenceAgainst>) {
         let (cloud, grid, candidates) = candidates_of(&[columns, &[MAST]].concat());
         let height = |&it: &u32| ((cloud.z_m()[it as usize] + SENSOR_HEIGHT_M) * 10.0) as i32;
@@ -377,7 +377,7 @@ mod tests {
     fn a_crown_over_a_car_is_no_part_of_it() {
         let covered = only(Evidence::Covered);
         assert_eq!(found(&[(HERE, 0..15), (HERE, 24..50)]), ((2..15).collect(), Some(covered)));
-        // Branches that touch the roof hang not.
+        // Branches that touch the roof do not hang.
         assert_eq!(found(&[(HERE, 0..15), (HERE, 18..70)]).0, []);
     }
 
@@ -455,7 +455,7 @@ mod tests {
         check(bits(0..1) | bits(63..64), ([63, 64, 64], true));
         check(bits(0..1) | bits(8..12) | bits(30..40), ([8, 12, 40], true));
         check(bits(0..1), ([0, 1, 1], false));
-        // What is higher than the ground is no ground.
+        // Points higher than the ground are no ground.
         check(bits(0..3) | bits(8..12), ([0, 3, 12], false));
     }
 }

@@ -1,4 +1,4 @@
-//! What there is over each dense cell.
+//! Statistics of the candidates over each dense cell.
 
 use crate::grid::hierarchical_grid::HierarchicalGrid;
 use crate::group::candidates::Candidates;
@@ -13,7 +13,7 @@ pub const LEVELS_M: [f32; 4] = [0.5, 1.1, 1.4, 2.0];
 /// The candidates over a dense cell, or over many.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct CellStatistics {
-    /// How many points.
+    /// Number of points.
     pub n_points: u32,
     /// The corners of the rectangle around them on the ground plan, in metres.
     pub low_m: [f32; 2],
@@ -55,7 +55,7 @@ impl CellStatistics {
         }
     }
 
-    /// Adds all of another one.
+    /// Adds the candidates of `other`.
     pub fn merge(&mut self, other: &Self) {
         self.n_points += other.n_points;
         for axis in 0..2 {
@@ -86,7 +86,7 @@ impl CellStatistics {
 /// The dense level over the candidates of a scan.
 ///
 /// *Blocks* are the coarse cells with candidates, by ascending cell; block b holds the dense cells `b·ξ² .. (b+1)·ξ²`, row
-/// by row. Behind those of all blocks come cells for what is apart over a dense cell.
+/// by row. Behind those of all blocks come cells for further parts over a dense cell.
 ///
 /// Paper: HG section 3.
 #[derive(Debug, Clone, Default)]
@@ -130,8 +130,8 @@ impl DenseCells {
         }
     }
 
-    /// The same, but that candidates of different parts are in different cells, though they stand over the same position:
-    /// `part_of_candidate` says of which each is, in their order.
+    /// As [`Self::fill`], but candidates of different parts are in different cells, even over the same position:
+    /// `part_of_candidate` holds the part of each candidate, in their order.
     pub fn fill_apart(
         &mut self,
         cloud: &PointCloud,
@@ -196,12 +196,12 @@ impl DenseCells {
         &self.cell_of_block
     }
 
-    /// What there is over each dense cell, those without candidates included.
+    /// Statistics of each dense cell, those without candidates included.
     pub fn statistics(&self) -> &[CellStatistics] {
         &self.statistics
     }
 
-    /// The same of one block.
+    /// Statistics of the dense cells of one block.
     pub fn statistics_of_block(&self, block_idx: usize) -> &[CellStatistics] {
         &self.statistics[block_idx * self.n_per_block..][..self.n_per_block]
     }

@@ -14,11 +14,11 @@ use crate::segment::expected_density::ExpectedDensity;
 #[derive(Debug, Clone, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct DenseGapsParams {
-    /// Gaps are looked for as wide as twice so many dense cells.
+    /// Gaps of up to twice this many dense cells are found.
     pub n_rounds: u32,
     /// A dense cell with less than this share of the points it could be expected to hold is near-empty.
     pub low_density_share: f32,
-    /// What upright objects hold, as a multiple of what all points together put into a dense cell at their range.
+    /// Points in a dense cell of an upright object, over those that all points together put into one at its range.
     pub object_density_ratio: f32,
     /// Where all points together put this many into a dense cell, a single empty dense cell is a gap.
     pub single_gap_points: f32,
@@ -26,7 +26,7 @@ pub struct DenseGapsParams {
     pub max_height_difference_m: f32,
     /// Dense cells by which neighbours of other height are taken to be farther apart.
     pub height_steps: u32,
-    /// Dense cells by which a wall is taken to be farther from what is none.
+    /// Dense cells by which a wall and a neighbour that is none are taken to be farther apart.
     pub wall_steps: u32,
 }
 
@@ -40,12 +40,12 @@ pub struct DenseGaps {
     // Dense cells along a side of the grid.
     n_along: usize,
     expected: ExpectedDensity,
-    // For every dense cell of the grid: what reached it first, and in how many steps.
+    // For every dense cell of the grid: the dense cell that reached it first, and in how many steps.
     reached: Vec<Reached>,
     steps: Vec<u8>,
-    // Those that were reached, in this order.
+    // Positions that were reached, in this order.
     queue: Vec<u32>,
-    // For every dense cell of a block: the block, which costs a division otherwise, where it is in the grid, whether it
+    // For every dense cell of a block: the block, which costs a division otherwise, its position in the grid, whether it
     // holds enough points, and its group.
     block: Vec<u32>,
     at: Vec<u32>,
@@ -66,13 +66,13 @@ struct Reached {
 
 impl Reached {
     const NOTHING: Self = Self { label: NO_LABEL, group: NO_LABEL };
-    /// The outermost cells, which hold no points and nothing reaches; of another group, so that they are not taken for free
-    /// ones.
+    /// The outermost cells, which hold no points and are never reached; their group is another one, so that they are not
+    /// taken for free cells.
     const BORDER: Self = Self { label: NO_LABEL, group: NO_LABEL - 1 };
 }
 
 impl DenseGaps {
-    /// Nothing found yet, in grids of the geometry `grid`. What is near-empty and what no gap follows from the density.
+    /// No gaps yet, in grids of the geometry `grid`. The density decides which cells are near-empty and which gaps are none.
     pub fn new(params: DenseGapsParams, grid: &GridParams, weighting: &DensityWeighting) -> Self {
         let DenseGapsParams { object_density_ratio, single_gap_points, .. } = params;
         Self {
@@ -112,7 +112,7 @@ impl DenseGaps {
         self.place_cells(grid, dense, candidates);
         self.join_touching(candidates);
         self.spread(candidates);
-        // What is near-empty belongs to what is nearest.
+        // Near-empty cells belong to the nearest group.
         for (dense_idx, statistics) in dense.statistics().iter().enumerate() {
             if statistics.n_points > 0 && !self.is_conducting[dense_idx] {
                 let reached = self.reached[self.at[dense_idx] as usize];
@@ -161,7 +161,7 @@ impl DenseGaps {
         }
     }
 
-    /// Makes one group of neighbours, unless something else than room is between them.
+    /// Joins neighbouring cells to one group, unless their height or a wall sets them apart.
     fn join_touching(&mut self, candidates: &Candidates) {
         self.links.between.iter_mut().for_each(Vec::clear);
         let n = self.n_along;
@@ -195,7 +195,7 @@ impl DenseGaps {
         }
     }
 
-    /// How strongly two dense cells are apart that are `steps` from each other.
+    /// Level of the gap between two dense cells that are `steps` apart.
     fn level(&self, candidates: &Candidates, between: [u32; 2], steps: u32) -> usize {
         let blocks = between.map(|it| self.block[it as usize] as usize);
         let mut penalty = 0;
@@ -241,8 +241,8 @@ impl DenseGaps {
     }
 
     /// Records that two groups meet at neighbouring positions, the first of which was reached in `own_steps`. If both were
-    /// reached in as many, only the one with the lower number records it. Not inlined, so that the loop that calls it keeps
-    /// its values in registers.
+    /// reached in as many steps, only the one with the lower number records it. Not inlined, so that the loop that calls it
+    /// keeps its values in registers.
     #[inline(never)]
     fn meet(
         &mut self,
@@ -326,7 +326,7 @@ mod tests {
     #[track_caller]
     fn check(drawn: &DrawnGroups, steps: [[u8; 2]; 2], expected_level: Option<u8>) {
         let (groups, level) = between(drawn, steps);
-        // What touches is one group, between which and itself there is nothing.
+        // Cells that touch are one group, without a gap to itself.
         assert_eq!((groups[0] == groups[1], level), (expected_level.is_none(), expected_level));
     }
 
@@ -344,7 +344,7 @@ mod tests {
 
     #[test]
     fn what_is_near_empty_belongs_to_what_is_nearest() {
-        // In one coarse cell, of which half the mean is more than two points.
+        // In one coarse cell, where half the mean is more than two points.
         let [here, there] = [[first_of_block(), 0], [first_of_block() + 2, 0]];
         check(&columns(&[(here, 20), (there, 20)]), [here, there], Some(1));
         check(&columns(&[(here, 20), (there, 2)]), [here, there], None);
@@ -372,7 +372,7 @@ mod tests {
             let longest = [0, 1].map(|axis| from[axis].abs_diff(to[axis])).into_iter().max().unwrap();
             prop_assume!(longest > 0);
             let (groups, level) = between(&groups_over(&[from, to]), [from, to]);
-            // One step cannot be resolved; what grows by four steps meets over eight.
+            // One step cannot be resolved; groups that grow by four steps meet over eight.
             let expected = (2..=8).contains(&longest).then(|| longest - 1);
             prop_assert_eq!(level, expected, "{} steps", longest);
             prop_assert_eq!(groups[0] == groups[1], longest == 1);

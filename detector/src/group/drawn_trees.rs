@@ -14,7 +14,7 @@ use crate::segment::terrain::Terrain;
 use crate::segment::wall_refinement::WallRefinement;
 use crate::surface_class::SurfaceClass;
 
-/// A scan, and all that comes of it up to the tree.
+/// A scan, and the results of all stages up to the tree.
 pub(crate) struct DrawnGroups {
     pub(crate) cloud: PointCloud,
     pub(crate) grid: HierarchicalGrid,
@@ -27,10 +27,10 @@ pub(crate) struct DrawnGroups {
     pub(crate) tree: GroupingTree,
 }
 
-/// How high the sensor of drawn scans is above the road.
+/// Height of the sensor of drawn scans above the road.
 const SENSOR_HEIGHT_M: f32 = 1.73;
 
-/// Where the dense cell of 20 cm begins that is so many steps from a position in front of the sensor.
+/// Corner of the dense cell of 20 cm that is so many steps from a position in front of the sensor.
 pub(crate) fn corner_m(step: [u8; 2]) -> [f32; 2] {
     step.map(|it| 6.0 + f32::from(it) * 0.2)
 }
@@ -42,7 +42,7 @@ pub fn tree_over(steps: &[[u8; 2]]) -> (DenseCells, GroupingTree, PointCloud) {
     (dense, tree, cloud)
 }
 
-/// The same with all that it comes of.
+/// [`tree_over`] with the results of all stages before it.
 pub(crate) fn groups_over(steps: &[[u8; 2]]) -> DrawnGroups {
     let mut cloud = PointCloud::default();
     for &step in steps {
@@ -54,7 +54,7 @@ pub(crate) fn groups_over(steps: &[[u8; 2]]) -> DrawnGroups {
     groups_of(cloud)
 }
 
-/// All that comes of `cloud`, over a road that is level.
+/// The results of all stages on `cloud`, over a level road.
 pub(crate) fn groups_of(cloud: PointCloud) -> DrawnGroups {
     let params = HierarchicalParams::shipped();
     let geometry = GridParams { extent_m: 40.0, ..params.grid.clone() };

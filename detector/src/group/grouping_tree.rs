@@ -9,19 +9,19 @@ use crate::segment::disjoint_sets::DisjointSets;
 /// A group of dense cells.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Node {
-    /// What there is over them.
+    /// Statistics of the candidates over them.
     pub statistics: CellStatistics,
     /// The group that it is a part of.
     pub parent: Option<u32>,
     /// The first of its parts.
     pub first_child: Option<u32>,
-    /// The next part of what it is a part of.
+    /// The next part of its parent.
     pub next_sibling: Option<u32>,
     /// The level of the widest gap within it.
     pub level: u8,
-    /// The level of the gap to what it is joined with; [`N_LEVELS`] if it is with nothing.
+    /// The level of the gap over which it is joined with others; [`N_LEVELS`] if it is joined with none.
     pub joined_at: u8,
-    /// How many cuts made it, one within the other.
+    /// Number of cuts that made it, one within the other.
     pub n_cuts: u8,
     // Indices in the list of cells.
     start: u32,
@@ -50,10 +50,10 @@ impl Node {
     }
 }
 
-/// All groupings of the dense cells of a scan, from what touches to what may be one thing at all. Of two groups one holds
-/// the other, or they share nothing.
+/// All groupings of the dense cells of a scan, from cells that touch to the widest groups that may be one object. Of two
+/// groups one holds the other, or they share nothing.
 ///
-/// A part has a smaller number than what it is a part of, but for those that [`Self::part`] makes.
+/// A part has a smaller number than its whole, except the parts that [`Self::part`] makes.
 #[derive(Debug, Clone, Default)]
 pub struct GroupingTree {
     sets: DisjointSets,
@@ -239,7 +239,7 @@ impl GroupingTree {
         &self.cells[node.cells()]
     }
 
-    /// Writes all nodes to `order`, parts before what they are parts of.
+    /// Writes all nodes to `order`, parts before their wholes.
     pub fn upward(&self, order: &mut Vec<u32>) {
         let n_by_gaps = self.nodes.iter().position(|it| it.n_cuts > 0).unwrap_or(self.nodes.len()) as u32;
         order.clear();

@@ -1,4 +1,4 @@
-//! Groups that no gap parts, cut where they have the fewest points.
+//! Groups without gaps, cut where they have the fewest points.
 
 use serde::Deserialize;
 
@@ -23,7 +23,7 @@ pub struct LeafCutsParams {
     pub min_points: u32,
     /// How often a group and its parts are cut.
     pub max_depth: u8,
-    /// Where a tree holds so many groups, no more are cut.
+    /// Number of groups of a tree from which on no more are cut.
     pub max_groups: u32,
 }
 
@@ -54,12 +54,12 @@ impl Plane {
 }
 
 impl LeafCuts {
-    /// Cuts every leaf of `tree` that is longer or wider than one person across the position with the fewest points, and the
-    /// parts again, until there are as many groups as there may be: groups of many points are cut before those of few.
+    /// Cuts every leaf of `tree` that is longer or wider than one person at the position with the fewest points, and its
+    /// parts again, until there are as many groups as there may be: groups of many points are cut before groups of few.
     /// Returns how many were left uncut for that reason.
     pub fn cut(&mut self, tree: &mut GroupingTree, dense: &DenseCells, params: &LeafCutsParams) -> usize {
         let mut n_left_uncut = 0;
-        // Parts are added at the end, and are looked at in the next round.
+        // Parts are added at the end, and are cut in the next round.
         let mut round = 0..tree.nodes().len();
         while !round.is_empty() {
             let n_before = tree.nodes().len();
@@ -83,8 +83,8 @@ impl LeafCuts {
         n_left_uncut
     }
 
-    /// Of the cuts of a round keeps those of the leaves of most points if all would make more than `n_more` groups. Returns
-    /// how many it drops.
+    /// Keeps only the cuts of the leaves with the most points if all cuts of a round would make more than `n_more` groups.
+    /// Returns how many cuts it drops.
     fn keep_affordable(&mut self, tree: &GroupingTree, n_more: usize) -> usize {
         let n_cuts = n_more / 2;
         let n_dropped = self.cuts.len().saturating_sub(n_cuts);
@@ -126,8 +126,8 @@ impl LeafCuts {
         best.map(|(_, plane)| plane)
     }
 
-    /// The plane across `normal` that cuts the fewest points, and what it costs; at least `min_end_m` from both ends. `None`
-    /// if there is no such position, or the cells reach less than `least_m` along it.
+    /// The plane across `normal` that cuts the fewest points, and its cost; at least `min_end_m` from both ends. `None` if
+    /// there is no such position, or the cells reach less than `least_m` along it.
     fn cheapest(
         &mut self,
         cells: &[u32],
@@ -178,7 +178,7 @@ impl LeafCuts {
     }
 }
 
-/// The direction in which cells, one at least, spread most: a unit vector.
+/// The direction in which cells, at least one, spread most: a unit vector.
 fn principal_axis(cells: &[u32], dense: &DenseCells) -> [f32; 2] {
     let middles_m = || cells.iter().map(|&it| dense.statistics()[it as usize].middle_m());
     let n = cells.len() as f32;

@@ -1,4 +1,4 @@
-//! What joins dense cells to groups within groups.
+//! Linkages that join dense cells to groups within groups.
 
 use crate::grid::hierarchical_grid::HierarchicalGrid;
 use crate::group::candidates::Candidates;
@@ -6,10 +6,10 @@ use crate::group::dense_cells::DenseCells;
 use crate::point_cloud::PointCloud;
 use crate::segment::terrain::Terrain;
 
-/// Levels at which groups are joined are below this; what is joined at level 0 is never parted.
+/// Levels at which groups are joined are below this; groups joined at level 0 are never parted.
 pub const N_LEVELS: usize = 10;
 
-/// What a scan is made of before its dense cells are filled.
+/// A scan with the results of all stages before its dense cells are filled.
 #[derive(Debug, Clone, Copy)]
 pub struct LinkedScan<'a> {
     /// All points.
@@ -39,10 +39,10 @@ pub trait Linkage: Send {
     /// Replaces the content of `dense` by the candidates of `scan`.
     fn fill(&mut self, scan: &LinkedScan<'_>, dense: &mut DenseCells);
 
-    /// Finds what joins the cells of `dense`, which [`Self::fill`] filled.
+    /// Finds the links between the cells of `dense`, which [`Self::fill`] filled.
     fn link(&mut self, scan: &LinkedScan<'_>, dense: &DenseCells);
 
-    /// What [`Self::link`] found.
+    /// The links that [`Self::link`] found.
     fn links(&self) -> &Links;
 
     /// Whether there are groups within groups.

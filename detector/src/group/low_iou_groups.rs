@@ -2,19 +2,19 @@
 
 use crate::group::grouping_tree::GroupingTree;
 
-/// Finds groups beside those that are taken, in reusable buffers.
+/// Finds groups beside the taken ones, in reusable buffers.
 #[derive(Debug, Clone, Default)]
 pub struct LowIouGroups {
-    // For every node, whether it is one of those that are taken or found, or holds one.
+    // For every node, whether it is a taken or found one, or holds one.
     holds_one: Vec<bool>,
     is_one: Vec<bool>,
     offered: Vec<(u32, f32)>,
 }
 
 impl LowIouGroups {
-    /// Adds to `taken`, which are nodes of `tree` of which none holds another, those of the `offered` nodes that share
-    /// nothing with them nor with each other, the one of the greatest expected IoU first, and of equal ones the one of the
-    /// smallest number. Each is offered with its expected IoU. What was added is [`Self::is_added`].
+    /// Adds to `taken`, nodes of `tree` of which none holds another, those of the `offered` nodes that share nothing with
+    /// them nor with each other. The one of the greatest expected IoU is added first, of equal ones the one of the smallest
+    /// number. Each is offered with its expected IoU. [`Self::is_added`] tells which were added.
     pub fn add(
         &mut self,
         tree: &GroupingTree,
@@ -44,7 +44,7 @@ impl LowIouGroups {
                 taken.push(node_idx);
             }
         }
-        // What was there before is not added.
+        // Nodes that were taken before are not added.
         for &node_idx in &taken[..n_taken] {
             self.is_one[node_idx as usize] = false;
         }
@@ -89,7 +89,7 @@ mod tests {
                 prop_assert_eq!(low_iou.is_added(a), a != before[0]);
                 prop_assert!(a == before[0] || is_offered(&a));
             }
-            // What was not added shares something with a group of as high an expected IoU, or was there before.
+            // A node that was not added shares something with a group taken before, or of as high an expected IoU.
             for it in (0..n_nodes).filter(is_offered).filter(|it| !taken.contains(it)) {
                 prop_assert!(!low_iou.is_added(it));
                 let stands_in_its_way = |&by: &u32| shares(it, by) && (by == before[0] || expected_iou(by) >= expected_iou(it));

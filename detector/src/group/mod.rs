@@ -1,4 +1,4 @@
-//! From cells to separate objects, by a tree of groupings.
+//! Separate objects found among cells, by a tree of groupings.
 
 pub mod candidates;
 pub mod dense_cells;

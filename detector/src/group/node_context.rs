@@ -1,4 +1,4 @@
-//! What a round says of the groups that a group holds, and of those that hold it.
+//! The predictions of a round for the groups that a group holds, and for those that hold it.
 
 use crate::group::node_values::N_NODE_VALUES;
 
@@ -13,10 +13,10 @@ pub const CONTEXT_VALUES: [&str; 10] = [
     "n_best_within",
     "greatest_expected_iou_within",
     "mean_expected_iou_of_best_within",
-    // What it is a part of, all the way up.
+    // The wholes that hold it, all the way up.
     "expected_iou_of_whole",
     "greatest_expected_iou_around",
-    // What else the whole holds.
+    // The other groups that the whole holds.
     "gain_of_best_beside",
     "n_best_beside",
     "greatest_expected_iou_beside",
@@ -25,8 +25,8 @@ pub const CONTEXT_VALUES: [&str; 10] = [
 /// Number of the values that a refinement round sees.
 pub const N_REFINEMENT_VALUES: usize = N_NODE_VALUES + CONTEXT_VALUES.len();
 
-/// Expected IoU from which on a group is one of the best. What forests have learned rests on it, so that it is no parameter;
-/// their file says what it was.
+/// Expected IoU from which on a group is one of the best. Forests have learned with it, so that it is no parameter; their
+/// file records it.
 pub const OBJECT_COST: f32 = 0.42;
 
 /// Contexts of the groups of one tree after another, in reusable buffers.
@@ -35,14 +35,14 @@ pub struct NodeContexts {
     nodes: Vec<Context>,
 }
 
-/// What is known of a node.
+/// Context of a node.
 #[derive(Debug, Clone, Copy, Default)]
 struct Context {
     expected_iou: f32,
     within: Best,
-    // Of it and what it holds.
+    // Of the node and the groups that it holds.
     best: Best,
-    // Of its parts: the greatest expected IoUs in and below two of them, and which part has the first.
+    // Of its parts: the greatest expected IoUs in two of them, and the part with the first.
     greatest_of_parts: [f32; 2],
     part_with_greatest: u32,
     iou_of_whole: f32,
@@ -58,13 +58,13 @@ struct Best {
     gain: f32,
     n: f32,
     expected_ious: f32,
-    // Of all groups there, be they among the best or not.
+    // Of all groups there, whether or not they are among the best.
     greatest: f32,
 }
 
 impl NodeContexts {
-    /// Replaces the content by that of a tree. `upward` are all its nodes, parts before what they are parts of, as
-    /// `whole_of` says; `expected_ious` are those of its described nodes.
+    /// Replaces the content by the contexts of a tree. `upward` are all its nodes, parts before their wholes, which
+    /// `whole_of` returns; `expected_ious` are those of its described nodes.
     pub fn find(
         &mut self,
         upward: &[u32],
@@ -91,7 +91,7 @@ impl NodeContexts {
         }
     }
 
-    /// What a refinement round sees of a node: `values`, and its context.
+    /// The values that a refinement round sees of a node: `values`, and its context.
     pub fn seen(&self, node_idx: u32, values: &[f32; N_NODE_VALUES]) -> [f32; N_REFINEMENT_VALUES] {
         let it = &self.nodes[node_idx as usize];
         let mean_within = it.within.expected_ious / it.within.n.max(1.0);
@@ -107,7 +107,7 @@ impl NodeContexts {
 }
 
 impl Context {
-    /// Takes a part in, of which and of whose parts `best` is known.
+    /// Adds a part; `best` are the best groups of the part and the groups that it holds.
     fn take_part(&mut self, part: u32, best: Best) {
         self.within.gain += best.gain;
         self.within.n += best.n;
@@ -122,7 +122,7 @@ impl Context {
         }
     }
 
-    /// Learns what it, node `node_idx`, is a part of.
+    /// Fills the values about `whole`, which this node, `node_idx`, is a part of.
     fn look_up(&mut self, node_idx: u32, whole: &Self) {
         self.iou_of_whole = whole.expected_iou;
         self.greatest_around = whole.greatest_around.max(whole.expected_iou);
@@ -134,7 +134,7 @@ impl Context {
 }
 
 impl Best {
-    /// The best of a node of `expected_iou` that holds these.
+    /// The best groups of a node of `expected_iou` and the groups that it holds, of which `self` are the best.
     fn or_instead(self, expected_iou: f32) -> Self {
         let greatest = self.greatest.max(expected_iou);
         let gain = expected_iou - OBJECT_COST;
@@ -169,7 +169,7 @@ mod tests {
 
     #[test]
     fn contexts_that_can_be_done_in_the_head() {
-        // Of 3 its first two parts are the best: gains of 0.3 and 0.2.
+        // The best groups in 3 are its first two parts: gains of 0.3 and 0.2.
         check(3, [0.52, 0.5, 2.0, 0.72, 0.67, 0.1, 0.1, 0.0, 0.0, 0.3]);
         check(5, [0.1, 0.5, 2.0, 0.72, 0.67, 0.0, 0.0, 0.0, 0.0, 0.0]);
         check(0, [0.72, 0.0, 0.0, 0.0, 0.0, 0.52, 0.52, 0.2, 1.0, 0.62]);

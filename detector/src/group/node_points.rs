@@ -1,4 +1,4 @@
-//! The points of groups that share none.
+//! The points of disjoint groups.
 
 use crate::group::candidates::Candidates;
 use crate::group::dense_cells::DenseCells;
@@ -68,7 +68,7 @@ impl NodePoints {
         &self.point_indices[self.starts[group] as usize..self.starts[group + 1] as usize]
     }
 
-    /// Where these points are, in the sensor frame.
+    /// Positions of these points, in the sensor frame.
     pub fn positions_m(&self, group: usize) -> &[[f32; 3]] {
         &self.positions_m[self.starts[group] as usize..self.starts[group + 1] as usize]
     }
@@ -99,7 +99,7 @@ mod tests {
         assert_eq!(points.point_indices(1), (44..60).collect::<Vec<u32>>());
         let reversed = points_of(&drawn, &[1, 0]);
         assert_eq!(reversed.point_indices(0), points.point_indices(1));
-        // What is of no group that is asked for is left out.
+        // Points outside the given groups are left out.
         let one = points_of(&drawn, &[1]);
         assert_eq!((one.n_groups(), one.point_indices(0)), (1, points.point_indices(1)));
         assert_eq!(points_of(&drawn, &[]).n_groups(), 0);

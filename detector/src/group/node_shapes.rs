@@ -28,9 +28,9 @@ pub struct NodeScene<'a> {
     pub candidates: &'a Candidates,
     /// Their cells.
     pub dense: &'a DenseCells,
-    /// Where other points are; `None` if nothing is to be said of what stands around a group.
+    /// Raster of the points around groups; `None` if groups are described without them.
     pub raster: Option<&'a ObjectRaster>,
-    /// What each cell of the grid is.
+    /// The class of each cell of the grid.
     pub classes: &'a [SurfaceClass],
     /// The walls.
     pub walls: &'a WallRefinement,
@@ -38,20 +38,20 @@ pub struct NodeScene<'a> {
     pub n_points: usize,
 }
 
-/// What is known of every node before it is described.
+/// Shape of a node, found before the node is described.
 #[derive(Debug, Clone, Default)]
 pub(super) struct Shape {
-    // Of what is too large none is taken.
+    // Empty if the node is too large.
     pub(super) hull: Range<usize>,
     pub(super) bounding_box: Option<OrientedBox>,
-    // Cells, and points of cells of which each [`Evidence`] holds.
+    // Number of cells, and numbers of points of cells with each [`Evidence`].
     pub(super) n_cells: u32,
     pub(super) n_with_evidence: [u32; N_EVIDENCE],
     // The length of the longest wall that one of its cells lies on.
     pub(super) wall_length_m: f32,
 }
 
-/// What is known of all nodes of a tree before they are described.
+/// Shapes of all nodes of a tree, found before the nodes are described.
 #[derive(Debug, Clone, Default)]
 pub(super) struct NodeShapes {
     box_fit: ConvexHullBox,
@@ -62,13 +62,13 @@ pub(super) struct NodeShapes {
 }
 
 impl NodeShapes {
-    /// That of one node.
+    /// The shape of one node.
     pub(super) fn of_node(&self, node_idx: u32) -> &Shape {
         &self.shapes[node_idx as usize]
     }
 
-    /// Finds them of all nodes of `tree`. Of what is longer across than `most_m` no outline is taken, and of what has fewer
-    /// than `min_points` no box.
+    /// Finds the shapes of all nodes of `tree`. Nodes longer across than `most_m` get no outline, and nodes of fewer than
+    /// `min_points` get no box.
     pub(super) fn find(
         &mut self,
         tree: &GroupingTree,
@@ -106,7 +106,7 @@ impl NodeShapes {
                     shape.bounding_box = self.box_fit.fit(outline_m, node.statistics.z_range_m);
                     self.hulls_m.extend_from_slice(self.box_fit.hull_m());
                 } else {
-                    // It is not looked at. What it is a part of takes all of it for its outline.
+                    // It has no box. Its whole takes all of its outline over.
                     self.hulls_m.extend_from_slice(&self.outline_m);
                 }
                 shape.hull = start..self.hulls_m.len();

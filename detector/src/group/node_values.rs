@@ -1,4 +1,4 @@
-//! What the groups of a tree look like.
+//! Values that describe the groups of a tree.
 
 use crate::describe::cells_around::CellsAround;
 use crate::describe::surroundings::Surroundings;
@@ -17,9 +17,9 @@ pub const N_NODE_VALUES: usize = NODE_VALUES.len();
 /// Sizes are those of the box in metres. Shares are of its points, from 0 to 1.
 pub const NODE_VALUES: [&str; 42] = [
     "log_n_points",
-    // Points lie the wider apart the farther they are.
+    // Points lie wider apart the farther they are.
     "log_seen_area",
-    // What the sensor would put onto what is seen of the box, if nothing else were there.
+    // Points over those that the sensor would put onto the seen part of the box, if nothing else were there.
     "log_points_over_expected",
     "range_m",
     "length_m",
@@ -36,7 +36,7 @@ pub const NODE_VALUES: [&str; 42] = [
     "view_cosine",
     "filled_share",
     "n_hull_corners",
-    // How it was grouped, and with what it would be.
+    // How it was grouped, and the group that it would be joined to.
     "level",
     "joined_at",
     "n_cuts",
@@ -48,7 +48,7 @@ pub const NODE_VALUES: [&str; 42] = [
     "width_of_whole_m",
     "whole_joined_at",
     "log_n_points_of_whole",
-    // What speaks against an object of the street.
+    // Evidence against an object of the street.
     "length_of_wall_m",
     "wall_share",
     "behind_wall_share",
@@ -56,7 +56,7 @@ pub const NODE_VALUES: [&str; 42] = [
     "covered_share",
     "beside_tall_share",
     "cut_off_share",
-    // What stands around it.
+    // Its surroundings.
     "beyond_ends_share",
     "occupied_share",
     "log_n_cells",
@@ -76,7 +76,7 @@ const _: () =
 #[derive(Debug, Clone, PartialEq, serde::Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct NodeBoundsParams {
-    /// Longer groups are not looked at, in metres.
+    /// Longer groups are not described, in metres.
     pub max_length_m: f32,
     /// Nor are wider ones, in metres.
     pub max_width_m: f32,
@@ -91,9 +91,9 @@ pub struct DescribedNode {
     pub node_idx: u32,
     /// The box around its cells.
     pub bounding_box: OrientedBox,
-    /// The ground below it, and what stands around it.
+    /// The ground below it, and its surroundings.
     pub surroundings: Surroundings,
-    /// As [`NODE_VALUES`] names them.
+    /// Named by [`NODE_VALUES`].
     pub values: [f32; N_NODE_VALUES],
 }
 
@@ -143,7 +143,7 @@ impl NodeDescriber {
         }
     }
 
-    /// What was said of a node; `None` if it was not described.
+    /// The description of a node; `None` if it was not described.
     pub fn of_node(&self, node_idx: u32) -> Option<&DescribedNode> {
         let index = self.described.binary_search_by_key(&node_idx, |it| it.node_idx);
         index.ok().map(|it| &self.described[it])
@@ -202,8 +202,8 @@ impl NodeDescriber {
         std::array::from_fn(|idx| own.get(idx).copied().unwrap_or_else(|| others[idx - LEVEL]))
     }
 
-    /// With what a node would be grouped: its share of that, its length and width, what it is joined at, and the logarithm
-    /// of its points.
+    /// Values of a node's whole: the share of its points in the node, its length and width, the level at which it is joined,
+    /// and the logarithm of its number of points.
     fn whole(&self, tree: &GroupingTree, node: &Node) -> [f32; 5] {
         let whole = node.parent.map(|it| (&tree.nodes()[it as usize], self.shapes.of_node(it)));
         let of_whole = |axis: usize| {
@@ -260,7 +260,7 @@ fn heights(statistics: &CellStatistics) -> [f32; 2] {
     [mean_m, variance_m2.sqrt()]
 }
 
-/// How many parts a node has, and the shares of its points in the largest and in the second one.
+/// Number of parts of a node, and the shares of its points in the largest and in the second one.
 fn parts(tree: &GroupingTree, node: &Node) -> [f32; 3] {
     let share = |n: u32| n as f32 / node.statistics.n_points as f32;
     let (mut n_parts, mut largest) = (0, [0; 2]);
@@ -272,9 +272,9 @@ fn parts(tree: &GroupingTree, node: &Node) -> [f32; 3] {
     [n_parts as f32, if n_parts > 0 { share(largest[0]) } else { 1.0 }, share(largest[1])]
 }
 
-/// The logarithm of the area of `n_points` that lie the wider apart the farther they are; the same over what the sensor
-/// would put onto what is seen of the box, if nothing else were there; how far the box is; and the cosine between the line
-/// of sight and its length.
+/// The logarithm of the seen area of `n_points`, which lie wider apart the farther they are; the logarithm of `n_points`
+/// over those that the sensor would put onto the seen part of the box, if nothing else were there; the range of the box; and
+/// the cosine between the line of sight and its length.
 fn seen(bounding_box: &OrientedBox, n_points: f32, n_points_of_scan: usize) -> [f32; 4] {
     let [x_m, y_m, _] = bounding_box.center_m;
     let [length_m, width_m, height_m] = bounding_box.length_width_height_m;
@@ -287,7 +287,7 @@ fn seen(bounding_box: &OrientedBox, n_points: f32, n_points_of_scan: usize) -> [
     [log_seen_area, log_seen_area - single::ln(n_points_of_scan as f32 * seen_m2), range_m, along]
 }
 
-/// The side of dense cells that areas are reckoned with, in metres; and the least length of what is seen.
+/// The side of dense cells that areas are computed with, in metres; and the least length of a seen side.
 const CELL_M: f32 = 0.2;
 
 #[cfg(test)]
@@ -335,7 +335,7 @@ mod tests {
         }
     }
 
-    /// What all groups of [`posts`] have.
+    /// Values that all groups of [`posts`] have.
     const OF_ALL: [(&str, f32); 13] = [
         ("height_m", 0.8),
         ("bottom_m", 0.43),
@@ -416,7 +416,7 @@ mod tests {
         assert_eq!([n_described(&row(60), 1), n_described(&row(90), 1)], [1, 0]);
     }
 
-    /// What values are of the points of a group, reckoned from these alone.
+    /// Values of a group computed from its points alone.
     fn of_points(drawn: &DrawnGroups, node: &DescribedNode) -> Vec<(&'static str, f32)> {
         let DrawnGroups { cloud, candidates, dense, tree, .. } = drawn;
         let cells = tree.cells(&tree.nodes()[node.node_idx as usize]);
@@ -455,7 +455,7 @@ mod tests {
             let mut cloud = PointCloud::default();
             for (&(column, row), &n_points) in &columns {
                 let [x_m, y_m] = corner_m([column, row]).map(|it| it + 0.1);
-                // No height is that of which there is a share above.
+                // No point is exactly at a level that points are counted above.
                 (0..n_points).for_each(|it| cloud.push([x_m, y_m, f32::from(it) * 0.07 - 1.31], 0.0));
             }
             let drawn = groups_of(cloud);

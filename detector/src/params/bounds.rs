@@ -1,17 +1,17 @@
-//! Which values of parameters make sense.
+//! Bounds of parameters.
 
 use std::fmt;
 
 use super::{ParamsError, as_written};
 
-/// The values of a number among the parameters that make sense.
+/// The values of a parameter that make sense.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Bounds {
     /// The parameter with its tables, such as `grid.cell_size_m`.
     pub name: &'static str,
-    /// The least; negative infinity for one that may be as low as it likes.
+    /// The least; negative infinity if there is no least.
     pub low: f64,
-    /// The greatest; infinite for a number of which there may be any many.
+    /// The greatest; infinite if there is no greatest.
     pub high: f64,
 }
 
@@ -19,7 +19,7 @@ pub struct Bounds {
 const UNITS: [(&str, &str); 3] = [("_m", "m"), ("_deg", "degrees"), ("_points", "points")];
 
 impl Bounds {
-    /// Those of parameter `name`.
+    /// Bounds of parameter `name`.
     pub const fn new(name: &'static str, low: f64, high: f64) -> Self {
         Self { name, low, high }
     }
@@ -55,7 +55,7 @@ impl fmt::Display for Bounds {
     }
 }
 
-/// Checks the numbers in `document` that `bounds` names; others, such as those of a model, are not looked at.
+/// Checks the numbers in `document` that `bounds` names; others, such as those of a model, are not checked.
 ///
 /// # Errors
 ///
@@ -69,8 +69,8 @@ pub fn check_bounds(document: &toml::Table, bounds: &[Bounds]) -> Result<(), Par
     Ok(())
 }
 
-/// Checks that parameter `name`, which is no number of a file or has bounds that depend on others, lies between `low` and
-/// `high`, which NaN does not; `allowed` says so in words.
+/// Checks that `value` of parameter `name` lies between `low` and `high`, which NaN does not. Meant for parameters that are
+/// no number of a file or have bounds that depend on others. `allowed` says the bounds in words.
 ///
 /// # Errors
 ///
@@ -101,7 +101,7 @@ fn number_at(document: &toml::Table, name: &str) -> Option<f64> {
     }
 }
 
-/// Those of `hierarchical`, and of `paper` where it has them.
+/// Bounds of the parameters of `hierarchical`, and of `paper` where it has them.
 pub const HIERARCHICAL_BOUNDS: &[Bounds] = &[
     Bounds::new("grid.cell_size_m", 0.05, 10.0),
     Bounds::new("grid.xi", 1.0, 8.0),

@@ -71,16 +71,16 @@ pub struct HierarchicalParams {
 #[derive(Debug, Clone, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct GroupingParams {
-    /// What an object costs: a group with a smaller expected IoU is no object.
+    /// Cost of an object: a group with a smaller expected IoU is no object.
     pub object_cost: f32,
-    /// What a vehicle costs: a group with at least this expected IoU, but too small a one for an object, is taken if it is
+    /// Cost of a vehicle: a group with at least this expected IoU, but too small a one for an object, is taken if it is
     /// classified as a vehicle.
     pub vehicle_cost: f32,
-    /// The least probability of a vehicle with which an object is ranked as one, by protocols that do.
+    /// The least probability of a vehicle with which an object is ranked as one, by protocols that rank detections.
     pub ranked_probability: f32,
     /// Rounds of IoU prediction for all groups, 1 to 3: from the second on with the predictions for the groups around.
     pub rounds: u8,
-    /// Whether what stands around a group is among its values.
+    /// Whether the surroundings of a group are among its values.
     pub surroundings: bool,
     /// The points that are grouped.
     pub candidates: CandidatesParams,
@@ -88,11 +88,11 @@ pub struct GroupingParams {
     pub gaps: DenseGapsParams,
     /// Cuts where there is no gap.
     pub cuts: LeafCutsParams,
-    /// Which groups are looked at.
+    /// Which groups are described.
     pub bounds: NodeBoundsParams,
 }
 
-/// The logarithm of the odds of what has this probability.
+/// The logarithm of the odds of `probability`.
 pub fn log_odds(probability: f32) -> f32 {
     let probability = f64::from(probability);
     ln(probability / (1.0 - probability)) as f32
@@ -116,7 +116,7 @@ impl HierarchicalParams {
     }
 }
 
-/// Dense cells along a side of the grid.
+/// Most dense cells along a side of the grid.
 const MOST_DENSE_CELLS: u32 = 12_000;
 
 /// Which clusters are objects.
@@ -138,7 +138,7 @@ impl ClusterParams {
         self.min_vehicle_points.min(self.min_points)
     }
 
-    /// What makes a vehicle of an object that a model was asked about.
+    /// Thresholds by which an object that a model judged is a vehicle.
     pub fn vehicle_rule(&self) -> VehicleRule {
         VehicleRule {
             least_points: self.least_vehicle_points(),
@@ -196,7 +196,7 @@ impl HierarchicalParams {
         Self::from_toml(&Self::shipped_table().to_string()).expect("the embedded files are tested")
     }
 
-    /// The same as a document: `params/hierarchical.toml` with the density curve of [`PAPER_SENSOR`].
+    /// The shipped parameters as a document: `params/hierarchical.toml` with the density curve of [`PAPER_SENSOR`].
     pub fn shipped_table() -> toml::Table {
         let mut table: toml::Table = HIERARCHICAL_TOML.parse().expect("the embedded file is tested");
         let curve = DensityCurve::shipped_table(PAPER_SENSOR).expect("it is shipped");

@@ -12,7 +12,7 @@ use crate::segment::hough_lines::HoughParams;
 use crate::segment::terrain::TerrainParams;
 use crate::segment::wall_refinement::WallRefinementParams;
 
-/// Parameters of what the papers have, and of readings that the papers do not have, which are off. `params/paper.toml`
+/// Parameters of the papers' stages, and of readings that the papers do not have, which are off. `params/paper.toml`
 /// explains the values.
 ///
 /// ```
@@ -56,7 +56,7 @@ pub struct PaperWallParams {
     pub enabled: bool,
     /// Whether they are found as the paper prints it.
     pub as_printed: bool,
-    /// Where they are, the cells beside a line become tall, too.
+    /// Whether the cells beside a line become tall, too, where walls are found as printed.
     pub beside: bool,
     /// Least share of a segment's length along which cells are tall.
     pub min_support: f32,
@@ -76,7 +76,7 @@ pub struct PaperForegroundParams {
 #[derive(Debug, Clone, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct PaperWeightingParams {
-    /// Otherwise all ranges count as equally dense.
+    /// If not, all ranges count as equally dense.
     pub enabled: bool,
 }
 
@@ -105,7 +105,7 @@ impl PaperParams {
         Self::from_toml(PAPER_TOML).expect("the embedded file is tested")
     }
 
-    /// The same as a document.
+    /// The parameters that come with the program, as a document.
     pub fn shipped_table() -> toml::Table {
         PAPER_TOML.parse().expect("the embedded file is tested")
     }
@@ -121,9 +121,9 @@ impl PaperParams {
         Ok(params)
     }
 
-    /// The parameters of the stages up to the foreground, and of what follows the clusters. Completion, which is in no
-    /// paper, is off. The density curve, the sizes of vehicles for runs without models, and what walls that are not found as
-    /// printed need, are those of `hierarchical`.
+    /// The parameters of the stages up to the foreground, and of those after the clusters. Completion, which is in no paper,
+    /// is off. The density curve, the sizes of vehicles for runs without models, and the parameters of walls that are not
+    /// found as printed are those of `hierarchical`.
     pub fn stages(&self, hierarchical: &HierarchicalParams) -> HierarchicalParams {
         let mut params = hierarchical.clone();
         params.grid = self.grid.clone();

@@ -8,15 +8,15 @@ use super::patterns::{N_KINDS, Pattern};
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct BagParams {
-    /// What becomes of the counts.
+    /// How counts are scaled.
     pub counts: CountScaling,
     /// Patterns that a smaller share of the training objects has are rare; 0: none is.
     pub min_share: f64,
-    /// What becomes of rare patterns: the reduction of dimensions.
+    /// How rare patterns are treated: the reduction of dimensions.
     pub rare: RarePatterns,
 }
 
-/// What becomes of counts.
+/// Scaling of counts.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum CountScaling {
@@ -26,7 +26,7 @@ pub enum CountScaling {
     RootShare,
 }
 
-/// What becomes of rare patterns.
+/// Treatment of rare patterns.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum RarePatterns {
@@ -44,7 +44,7 @@ pub struct Vocabulary {
 }
 
 impl Vocabulary {
-    /// These patterns; `None` unless they ascend.
+    /// A vocabulary of these patterns; `None` unless they ascend.
     pub fn new(patterns: Vec<Pattern>) -> Option<Self> {
         patterns.is_sorted_by(|a, b| a < b).then_some(Self { patterns })
     }

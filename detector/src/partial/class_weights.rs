@@ -1,4 +1,4 @@
-//! Weights that part the classes.
+//! Weights that separate the classes.
 
 use rayon::prelude::*;
 
@@ -70,7 +70,7 @@ impl Descent {
     }
 }
 
-/// What is not 0, column by column, and within a column in the order of the bags.
+/// The numbers that are not 0, column by column, and within a column in the order of the bags.
 struct ByColumn {
     /// Where each column begins, and where the last one ends.
     starts: Vec<usize>,
@@ -104,10 +104,10 @@ impl ByColumn {
     }
 }
 
-/// So many columns or bags are worth a thread.
+/// Fewest columns or bags that are worth a thread.
 const LEAST_SHARE: usize = 64;
 
-/// How the cost grows with every weight.
+/// Slope of the cost along every weight.
 struct Slopes {
     by_column: ByColumn,
     /// For each bag: how much more likely each class is than it should be, times the weight of the bag.
@@ -162,7 +162,7 @@ fn fill_excess(bag: &TrainingBag, of_columns: &[f64], offsets: &[f64], excess: &
     }
 }
 
-/// Scores as chances that add up to 1.
+/// Turns scores into chances that add up to 1.
 fn softmax(scores: &mut [f64]) {
     let largest = scores.iter().copied().fold(f64::NEG_INFINITY, f64::max);
     let mut sum = 0.0;

@@ -1,4 +1,4 @@
-//! From a bag to a class.
+//! The decision about the class of a bag.
 
 use serde::{Deserialize, Serialize};
 
@@ -8,7 +8,7 @@ use crate::portable_math::exp;
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct DecisionParams {
-    /// What decides.
+    /// The rule that decides.
     pub rule: DecisionRule,
     /// Which mean bags stand for a class.
     pub centers: Centers,
@@ -16,18 +16,18 @@ pub struct DecisionParams {
     pub min_keypoints: usize,
     /// Where bins of the number of keypoints end, ascending: how sure a decision is differs from bin to bin.
     pub evidence_edges: Vec<usize>,
-    /// Share of the clouds of known classes that are not rejected, in each bin of evidence; what is stranger than these is
-    /// none of these. 1: nothing is too strange.
+    /// Share of the clouds of known classes that are not rejected, in each bin of evidence; clouds stranger than these are
+    /// of none of the classes. 1: no cloud is too strange.
     pub near_share: f64,
     /// A class of this name is none of these; empty: there is no such class.
     pub rejected_class: String,
-    /// In how many parts objects are held out to learn how sure decisions are.
+    /// Number of parts in which objects are held out to learn how sure decisions are.
     pub n_folds: usize,
-    /// The weights, where they decide.
+    /// The weights, if they decide.
     pub weights: WeightParams,
 }
 
-/// What decides.
+/// The rule that decides.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum DecisionRule {
@@ -51,7 +51,7 @@ pub enum Centers {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct WeightParams {
-    /// What a square of a weight costs, in units of the mean cost of a cloud.
+    /// Cost of the square of a weight, in units of the mean cost of a cloud.
     pub penalty: f64,
     /// Steps of the descent.
     pub n_steps: usize,
@@ -71,51 +71,51 @@ pub struct Center {
 /// Weights of a class.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ClassWeights {
-    /// Of nothing.
+    /// Score of an empty bag.
     pub offset: f32,
     /// A number for each column.
     pub of_columns: Vec<f32>,
 }
 
-/// What is learned to decide.
+/// Everything that is learned to decide.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Decision {
     /// Mean bags.
     pub centers: Vec<Center>,
     /// One for each class; none where the nearest mean bag decides.
     pub weights: Vec<ClassWeights>,
-    /// For each bin of the number of keypoints: what scores are multiplied by to be logarithms of odds.
+    /// For each bin of the number of keypoints: the factor that makes scores logarithms of odds.
     pub sharpness: Vec<f32>,
     /// For each bin of the number of keypoints: how strange a cloud may be, see [`strangeness`].
     pub strangest: Vec<f32>,
 }
 
-/// What may be decided.
+/// The possible decisions.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Choice {
     /// A class, or none of these.
     OrNoneOfThese,
-    /// A class: nothing else occurs.
+    /// One of the classes: no other objects occur.
     OfClasses,
 }
 
-/// What a decision is made by, beside what was learned.
+/// Inputs of a decision, beside the learned ones.
 #[derive(Debug, Clone, Copy)]
 pub struct DecidedBy<'a> {
     /// The parameters.
     pub params: &'a DecisionParams,
     /// The class that is none of these.
     pub rejected_idx: Option<usize>,
-    /// What may be decided.
+    /// The possible decisions.
     pub choice: Choice,
 }
 
-/// What a cloud is taken for.
+/// Verdict on a cloud.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Verdict {
     /// It has too few keypoints to be judged.
     TooLittleSeen,
-    /// Something else than was learned.
+    /// None of the learned classes.
     NoneOfThese,
     /// The class with this index.
     Class(usize),
@@ -128,12 +128,12 @@ pub struct Judgement {
     pub distances: Vec<f32>,
     /// The chance of every class; they add up to 1.
     pub probabilities: Vec<f32>,
-    /// What it is taken for.
+    /// The verdict.
     pub verdict: Verdict,
 }
 
 impl Judgement {
-    /// A judgement of nothing among so many classes.
+    /// The judgement without evidence, among so many classes.
     pub fn of_nothing(n_classes: usize) -> Self {
         let probabilities = vec![1.0 / n_classes as f32; n_classes];
         Self { distances: vec![f32::INFINITY; n_classes], probabilities, verdict: Verdict::TooLittleSeen }
@@ -143,7 +143,7 @@ impl Judgement {
 impl Decision {
     /// Judges the bag of a cloud with `n_keypoints` keypoints.
     ///
-    /// Of equals the first class counts. Paper: BG section 3.3.
+    /// Of equal classes the first counts. Paper: BG section 3.3.
     pub fn judge(&self, bag: &[f32], n_keypoints: usize, by: &DecidedBy<'_>, judgement: &mut Judgement) {
         let Judgement { distances, probabilities, verdict } = judgement;
         self.scores(bag, distances, probabilities);
@@ -239,7 +239,7 @@ pub fn to_probabilities(scores: &mut [f32], sharpness: f32) {
     let mut sum = 0.0;
     for score in &mut *scores {
         let exponent = f64::from(sharpness * (*score - largest));
-        // Less than that is nothing in single precision.
+        // Less than that vanishes beside the largest, which is 1, in single precision.
         *score = if exponent > -80.0 { exp(exponent) as f32 } else { 0.0 };
         sum += *score;
     }

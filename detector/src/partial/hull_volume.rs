@@ -21,7 +21,7 @@ struct Face {
 const TOLERANCE: f64 = 1e-9;
 
 impl HullVolume {
-    /// The volume in cubic metres; 0 of fewer than four points, of points on a line, and of points in a plane.
+    /// The volume in cubic metres; 0 for fewer than four points, points on a line, and points in a plane.
     ///
     /// The hull grows from a tetrahedron point by point: the faces that a point sees make way for those between it and their
     /// rim.
@@ -79,7 +79,7 @@ impl Face {
 }
 
 /// Four points that are far from each other, in an order in which the first three turn counter-clockwise seen from outside;
-/// and how far off a plane is on it. `None` if all points are in a plane.
+/// and the distance within which a point lies on a plane. `None` if all points are in a plane.
 fn first_tetrahedron(points_m: &[[f64; 3]]) -> Option<([u32; 4], f64)> {
     let a_m = *points_m.first()?;
     let farthest = |measure: &dyn Fn([f64; 3]) -> f64| {

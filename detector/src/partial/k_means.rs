@@ -6,13 +6,13 @@ use crate::seeded_draws::SeededDraws;
 
 /// Rounds after which the grouping ends in any case.
 const MOST_ROUNDS: usize = 100;
-/// So many vectors are worth a thread.
+/// Fewest vectors that are worth a thread.
 const LEAST_SHARE: usize = 256;
 
 /// The means of at most `n_groups` groups of `vectors`, by the method of Lloyd from a start drawn as in k-means++; fewer if
 /// there are fewer different vectors. None without vectors.
 ///
-/// The same vectors in the same order and the same seed give the same means to the bit, with any number of threads.
+/// Equal vectors in equal order and an equal seed give the same means to the bit, with any number of threads.
 ///
 /// Paper: BG section 3.2.
 pub fn k_means<const D: usize>(vectors: &[[f64; D]], n_groups: usize, seed: u64) -> Vec<[f64; D]> {

@@ -1,4 +1,4 @@
-//! From the points of an object to its described keypoints.
+//! The described keypoints of an object, from its points.
 
 use super::keypoints::Keypoints;
 use super::local_surface::LocalSurfaces;
@@ -10,16 +10,16 @@ use super::seen_extents::SeenExtents;
 use super::shape_statistics::{ShapeMeter, ShapeStatistics};
 use super::thinned_points::ThinnedPoints;
 
-/// A keypoint with what is around it.
+/// A keypoint and its descriptor.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct DescribedKeypoint {
-    /// Where it is in metres, z above the ground.
+    /// Position in metres, z above the ground.
     pub position_m: [f64; 3],
-    /// What the surface around it is like.
+    /// Descriptor of the surface around it.
     pub descriptor: Descriptor,
 }
 
-/// Buffers for describing one cloud after another. Labels and what follows do not matter here.
+/// Buffers for describing one cloud after another. Labels and later stages do not matter here.
 #[derive(Debug, Clone, Default)]
 pub struct KeypointDescriber {
     thinned: ThinnedPoints,
@@ -31,12 +31,12 @@ pub struct KeypointDescriber {
     described: DescribedCloud,
 }
 
-/// What later stages need to know of a cloud.
+/// The results on a cloud that later stages need.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct DescribedCloud {
-    /// How far its thinned points reach; nothing unless extents are counted.
+    /// Extents of its thinned points; all 0 unless extents are counted.
     pub extents: SeenExtents,
-    /// Shape statistics of all its points; nothing unless these are counted.
+    /// Shape statistics of all its points; all 0 unless these are counted.
     pub shape: ShapeStatistics,
     /// Its keypoints.
     pub keypoints: Vec<DescribedKeypoint>,

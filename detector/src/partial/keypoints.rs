@@ -1,4 +1,4 @@
-//! Where a surface turns most.
+//! Keypoints, where a surface turns most.
 
 use serde::{Deserialize, Serialize};
 
@@ -11,7 +11,7 @@ use super::neighborhoods::{Nearby, Neighborhoods};
 pub struct KeypointParams {
     /// No sphere is smaller than this, in units of the radius of surfaces.
     pub min_sphere: f64,
-    /// No sphere is larger than this, in units of the radius of surfaces; what a plane has.
+    /// No sphere is larger than this, in units of the radius of surfaces; that of a plane is as large.
     pub max_sphere: f64,
 }
 
@@ -65,7 +65,7 @@ impl Keypoints {
         point_indices.sort_unstable();
     }
 
-    /// Which points they are, ascending.
+    /// Indices of the keypoints among the points, ascending.
     pub fn point_indices(&self) -> &[u32] {
         &self.point_indices
     }

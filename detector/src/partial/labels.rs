@@ -23,7 +23,7 @@ pub struct LabelParams {
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum ValueScaling {
-    /// Less their mean, over their deviation.
+    /// Divided by their deviation. Subtracting their mean would change no distance.
     Standardized,
 }
 
@@ -33,7 +33,7 @@ pub const MOST_LABELS: usize = 250;
 /// Means of descriptors; a keypoint has the label of the nearest.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Labeler {
-    /// What each value is divided by.
+    /// The divisor of each value.
     pub units: Descriptor,
     /// The means, in these units.
     pub centers: Vec<Descriptor>,

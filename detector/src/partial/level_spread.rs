@@ -14,7 +14,7 @@ pub struct LevelSpread {
 }
 
 impl LevelSpread {
-    /// That of some points, in metres; nothing without any. Not in the papers.
+    /// The spread of these points, in metres; all 0 without points. Not in the papers.
     pub fn of(points_m: impl Iterator<Item = [f64; 3]> + Clone) -> Self {
         let (mut n, mut sum_x_m, mut sum_y_m) = (0.0_f64, 0.0, 0.0);
         for [x, y, _] in points_m.clone() {
@@ -58,7 +58,7 @@ impl LevelSpread {
 fn main_axis(along_x: f64, across: f64, along_y: f64) -> [f64; 2] {
     let half = 0.5 * (along_x - along_y);
     let off = (half * half + across * across).sqrt();
-    // Of the two forms of the eigenvector that which does not cancel.
+    // Of the two forms of the eigenvector the one that does not cancel.
     let [x, y] = if half >= 0.0 { [half + off, across] } else { [across, off - half] };
     let length = (x * x + y * y).sqrt();
     if length > 0.0 { [x / length, y / length] } else { [1.0, 0.0] }

@@ -13,8 +13,8 @@ pub struct SurfaceParams {
     pub radius_m: f64,
     /// Most points that are fitted; of more, as many are taken that are evenly spread over the order.
     pub max_neighbors: usize,
-    /// How much bends and slopes are damped: as if so many points, each `radius_m` away, lay on the plane. Of few points,
-    /// noise would make wild surfaces.
+    /// Damping of bends and slopes: as if so many points, each `radius_m` away, lay on the plane. With few points, noise
+    /// would make wild surfaces.
     pub damping: f64,
     /// How the signs of normals are chosen.
     pub normals: NormalSigns,
@@ -30,7 +30,7 @@ pub enum NormalSigns {
     Outward,
 }
 
-/// How the surface runs at a point. Lengths are in units of the radius that it was fitted in.
+/// The surface at a point. Lengths are in units of the radius that it was fitted in.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct LocalSurface {
     /// Unit vector of the plane through the points around.
@@ -127,7 +127,7 @@ impl QuadricSums {
         }
     }
 
-    /// Adds to all coefficients but the height what so many points on the plane would.
+    /// Damps all coefficients but the height, as so many points on the plane would.
     fn damp(&mut self, damping: f64) {
         for row in 0..N_TERMS - 1 {
             self.matrix[row][row] += damping;
@@ -192,22 +192,22 @@ impl LocalSurfaces {
         }));
     }
 
-    /// One for each point.
+    /// The surface at each point.
     pub fn surfaces(&self) -> &[LocalSurface] {
         &self.surfaces
     }
 }
 
-/// The mean of some points; the origin without any.
+/// The mean of these points; the origin without points.
 pub fn mean_of(points_m: &[[f64; 3]]) -> [f64; 3] {
     let add = |sum: [f64; 3], it: &[f64; 3]| [sum[0] + it[0], sum[1] + it[1], sum[2] + it[2]];
     points_m.iter().fold([0.0; 3], add).map(|it| it / points_m.len().max(1) as f64)
 }
 
-/// A normal with less of a direction than this has none of it.
+/// A part of a normal below this does not count as a direction.
 const LEAST_PART: f64 = 1e-6;
 
-/// `normal` or its opposite, at a point that lies `from_middle_m` of the mean of the cloud.
+/// `normal` or its opposite, at a point with the offset `from_middle_m` from the mean of the cloud.
 pub fn signed_normal(normal: [f64; 3], from_middle_m: [f64; 3], signs: NormalSigns) -> [f64; 3] {
     let outward = normal[0] * from_middle_m[0] + normal[1] * from_middle_m[1];
     let [first, second] = match signs {

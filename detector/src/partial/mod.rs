@@ -1,8 +1,8 @@
-//! Bag of graphs: what an object is of which only a part has been seen, from how patterns of its surface occur.
+//! Bag of graphs: classifies objects of which only a part has been seen, by how often patterns of their surface occur.
 //!
 //! Objects are given in metres, in a frame with z up and the ground at z = 0. Paper: BG.
 
-// Points, evened out, and what is around them.
+// Points, evened out, and their neighbourhoods.
 pub mod thinned_points;
 pub mod neighborhoods;
 pub mod principal_frame;
@@ -10,7 +10,7 @@ pub mod level_spread;
 pub mod seen_extents;
 pub mod shape_statistics;
 
-// Keypoints: where the surface turns most, and what it is like there.
+// Keypoints, where the surface turns most, and their descriptors.
 pub mod local_surface;
 pub mod keypoints;
 pub mod hull_volume;
@@ -23,17 +23,17 @@ pub mod labels;
 pub mod patterns;
 pub mod bag;
 
-// What that means.
+// The decision by these.
 pub mod decision;
 
-// Their parameters, and how they follow each other.
+// Parameters, and the order of the stages.
 pub mod partial_params;
 pub mod keypoint_description;
 pub mod partial_model;
 pub mod partial_model_file;
 pub mod partial_classifier;
 
-// Learning all of it.
+// Training.
 pub mod class_weights;
 pub mod sharpness;
 pub mod training;

@@ -2,7 +2,7 @@
 
 use super::thinned_points::{CELL_OFFSET, cell_of};
 
-/// Points sorted into cubes as large as the radius that is asked for most, so that a few cubes hold what is around.
+/// Points sorted into cubes as large as the most frequent radius, so that a few cubes hold all points around a position.
 #[derive(Debug, Clone, Default)]
 pub struct Neighborhoods {
     cube_m: f64,
@@ -17,7 +17,7 @@ pub struct Neighborhoods {
 /// the same. To be used with one [`Neighborhoods`] only.
 #[derive(Debug, Clone, Default)]
 pub struct Nearby {
-    /// Which cloud was searched, and the corners of its cubes that were.
+    /// The cloud that was searched, and the corners of the searched cubes.
     searched: Option<(u64, [[u64; 3]; 2])>,
     /// Where the points in these cubes begin and end, ascending.
     runs: Vec<[u32; 2]>,
@@ -142,7 +142,7 @@ mod tests {
             let mut around = Neighborhoods::default();
             let mut nearby = Nearby::default();
             for &center_m in &points_m {
-                // Two clouds in turn, each asked twice for what is mostly in the same cubes.
+                // Two clouds in turn, each asked twice for mostly the same cubes.
                 for points_m in [&points_m[..], &points_m[1..]] {
                     around.fill(points_m, 0.8);
                     for aside_m in [0.0, 1e-3] {

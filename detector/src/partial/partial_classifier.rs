@@ -1,4 +1,4 @@
-//! What an object is, of which a part has been seen.
+//! Classification of objects of which only a part has been seen.
 
 use std::sync::Arc;
 
@@ -56,7 +56,7 @@ impl PartialClassifier {
         Self::with_choice(model, Choice::OrNoneOfThese)
     }
 
-    /// A classifier that decides by `model` what it may decide.
+    /// A classifier that decides by `model`, with these possible decisions.
     pub fn with_choice(model: Arc<PartialModel>, choice: Choice) -> Self {
         Self {
             choice,
@@ -70,7 +70,7 @@ impl PartialClassifier {
         }
     }
 
-    /// What it decides by.
+    /// The model that it decides by.
     pub fn model(&self) -> &PartialModel {
         &self.model
     }
@@ -94,12 +94,12 @@ impl PartialClassifier {
         &self.judgement
     }
 
-    /// What was last decided.
+    /// The latest judgement.
     pub fn judgement(&self) -> &Judgement {
         &self.judgement
     }
 
-    /// The name of what the cloud was taken for; `None` if it was not judged, or is none of these.
+    /// The name of the class of the latest cloud; `None` if it was not judged, or is of none of the classes.
     pub fn class_name(&self) -> Option<&str> {
         match self.judgement.verdict {
             Verdict::Class(class_idx) => Some(&self.model.classes[class_idx]),

@@ -1,4 +1,4 @@
-//! Everything that is learned, and what it was learned with.
+//! A learned model, and the parameters that it was learned with.
 
 use super::bag::Vocabulary;
 use super::decision::Decision;
@@ -9,9 +9,9 @@ use crate::describe::trained_file::Provenance;
 /// A trained bag of graphs.
 #[derive(Debug, Clone, PartialEq)]
 pub struct PartialModel {
-    /// What it was made of.
+    /// Its provenance.
     pub made: Provenance,
-    /// What it was learned with, and is used with.
+    /// Parameters that it was learned with, and is used with.
     pub params: PartialParams,
     /// Names of the classes.
     pub classes: Vec<String>,
@@ -19,7 +19,7 @@ pub struct PartialModel {
     pub labeler: Labeler,
     /// Patterns that have a column.
     pub vocabulary: Vocabulary,
-    /// What decides.
+    /// The learned decision.
     pub decision: Decision,
 }
 

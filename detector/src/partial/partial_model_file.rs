@@ -14,7 +14,7 @@ use super::patterns::Pattern;
 use crate::classify::model_file::{ModelFile, ModelFileError, f32_bytes, f32_numbers};
 use crate::params::ParamsError;
 
-/// What it calls itself in its file.
+/// Kind of the model in its file.
 const PARTIAL_MODEL: &str = "partial";
 /// The units of descriptors, and behind them the centre of each label; `f64`.
 const LABELS: &str = "labels";
@@ -22,7 +22,7 @@ const LABELS: &str = "labels";
 const PATTERNS: &str = "patterns";
 /// The mean bags, one behind the other.
 const BAGS: &str = "mean bags";
-/// Of each class the offset, and the weights of all columns; nothing where the nearest mean bag decides.
+/// Of each class the offset, and the weights of all columns; empty where the nearest mean bag decides.
 const WEIGHTS: &str = "weights";
 /// For each bin of evidence how sharp scores are.
 const SHARPNESS: &str = "sharpness";
@@ -32,23 +32,23 @@ const STRANGEST: &str = "strangest";
 /// Why there is no model.
 #[derive(Debug, thiserror::Error)]
 pub enum PartialModelError {
-    /// No such file.
+    /// The file is no such model.
     #[error(transparent)]
     File(#[from] ModelFileError),
     /// A parameter that makes no sense.
     #[error(transparent)]
     Params(#[from] ParamsError),
-    /// Classes that mean bags cannot be of.
+    /// Mean bags of classes that do not exist, or classes without one.
     #[error("the mean bags are of the classes {found:?}, and there are {n_classes} classes")]
     Classes {
         /// The class of each mean bag.
         found: Vec<usize>,
-        /// How many classes there are.
+        /// Number of classes.
         n_classes: usize,
     },
 }
 
-/// What people can read in the head.
+/// Constants in the head, which people can read.
 #[derive(Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 struct Constants {

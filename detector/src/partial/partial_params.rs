@@ -30,7 +30,7 @@ pub struct PartialParams {
     pub surface: SurfaceParams,
     /// Keypoints.
     pub keypoints: KeypointParams,
-    /// What describes them.
+    /// Their descriptors.
     pub descriptor: DescriptorParams,
     /// Their labels.
     pub labels: LabelParams,
@@ -38,7 +38,7 @@ pub struct PartialParams {
     pub patterns: PatternParams,
     /// Bags of patterns.
     pub bag: BagParams,
-    /// What decides.
+    /// The decision.
     pub decision: DecisionParams,
 }
 
@@ -73,7 +73,7 @@ impl PartialParams {
     ///
     /// # Errors
     ///
-    /// [`ParamsError`] that names the first that makes no sense.
+    /// [`ParamsError`] that names the first parameter that makes no sense.
     pub fn validate(&self) -> Result<(), ParamsError> {
         self.validate_points()?;
         self.validate_patterns()?;

@@ -1,4 +1,4 @@
-//! What the surface around a keypoint looks like, in twelve numbers.
+//! Descriptor of the surface around a keypoint: twelve numbers.
 
 use std::f64::consts::PI;
 

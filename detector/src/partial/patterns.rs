@@ -1,4 +1,4 @@
-//! Keypoints with their nearest ones: small labelled graphs, and what they have in common.
+//! Patterns of keypoints: small labelled graphs of each and its nearest ones, and values of the whole.
 
 use serde::{Deserialize, Serialize};
 
@@ -18,7 +18,7 @@ const ANY: u8 = 255;
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct PatternParams {
-    /// What is counted, each kind by itself.
+    /// The kinds of patterns that are counted, each by itself.
     pub kinds: Vec<PatternKind>,
     /// Where bins of the height of the centre above the ground end, in metres, ascending; none: heights do not count.
     pub height_edges_m: Vec<f64>,
@@ -31,7 +31,7 @@ pub struct PatternParams {
     pub shape_edges_m: Vec<f64>,
 }
 
-/// What is counted, of every keypoint or of the whole.
+/// Kind of a pattern, of every keypoint or of the whole.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum PatternKind {
@@ -40,12 +40,12 @@ pub enum PatternKind {
     Graph,
     /// Its own label and height: a bag of words, without graphs.
     Keypoint,
-    /// How far all that is seen reaches: a pattern for every pair of extents, and none of keypoints. Not in the paper, whose
-    /// shares say nothing of size.
+    /// Extents of the seen part: a pattern for each of four pairs of extents, and none of keypoints. Not in the paper, whose
+    /// shares hold no size.
     Extents,
-    /// Shape statistics of all that is seen: its height, the spread of its points, overall and in six level slices, the
-    /// share of points in each slice, and the tilt. A pattern joins three or four of these values, in wide bins that
-    /// overlap. Not in the paper.
+    /// Shape statistics of the seen part: its height, the spread of its points, overall and in six level slices, the share
+    /// of points in each slice, and the tilt. A pattern joins three or four of these values, in wide bins that overlap. Not
+    /// in the paper.
     ShapeStatistics,
 }
 
@@ -76,7 +76,7 @@ impl Pattern {
         usize::from(self.0.to_be_bytes()[1])
     }
 
-    /// The same with fewer distinctions: first without its volume, then without its height. `None` if that has been done.
+    /// A pattern with fewer distinctions: first without its volume, then without its height. `None` if it has neither.
     pub fn coarser(self) -> Option<Self> {
         let [_, _, height_bin, volume_bin, ..] = self.0.to_be_bytes();
         let mut bytes = self.0.to_be_bytes();
@@ -91,19 +91,19 @@ impl Pattern {
     }
 }
 
-/// Number of kinds of patterns; 1 stands for none of today's.
+/// Number of kinds of patterns; number 1 is not in use.
 pub const N_KINDS: usize = 5;
 /// Divisions of shape statistics into wide bins, and how many edges a wide bin spans.
 const N_DIVISIONS: usize = 3;
 /// Groups of values of the shape statistics.
 const N_GROUPS: usize = 18;
-/// Ratios to the height of what is seen take it to be at least so much, in metres.
+/// Ratios to the height of the seen part take it to be at least this, in metres.
 const LEAST_HEIGHT_OF_RATIOS_M: f64 = 0.01;
 
 /// A keypoint with its label.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct LabeledKeypoint {
-    /// Where it is in metres, z above the ground.
+    /// Position in metres, z above the ground.
     pub position_m: [f64; 3],
     /// Its label.
     pub label: u8,
@@ -205,7 +205,7 @@ fn pattern_of(
     Some(Pattern::new(kind, bins, labels))
 }
 
-/// The bins of two extents at a time.
+/// The patterns of pairs of extents.
 fn patterns_of_extents(extents: &SeenExtents, edges_m: &[f64]) -> [Pattern; 4] {
     let SeenExtents { bottom_m, top_m, length_m, width_m } = *extents;
     let pairs =
@@ -216,7 +216,7 @@ fn patterns_of_extents(extents: &SeenExtents, edges_m: &[f64]) -> [Pattern; 4] {
     })
 }
 
-/// Shape statistics that make a pattern together; docs/decisions/object-clouds.md has how they were chosen. A rare pattern
+/// Shape statistics that make a pattern together; docs/decisions/object-clouds.md says how they were chosen. A rare pattern
 /// first forgets its fourth value, then its third.
 fn groups_of_shape(shape: &ShapeStatistics) -> [([f64; 3], Option<f64>); N_GROUPS] {
     let ShapeStatistics { extents, spread, mean_height_m, deviation_up_m, tilt, slices } = *shape;

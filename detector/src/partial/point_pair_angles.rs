@@ -1,4 +1,4 @@
-//! How the normals of a patch lie to each other: a point feature histogram.
+//! Angles between the normals of a patch: a point feature histogram.
 
 use serde::{Deserialize, Serialize};
 
@@ -7,17 +7,17 @@ use super::principal_frame::{cross, difference, dot};
 /// Number of bins: two for each of three angles.
 pub const N_ANGLE_BINS: usize = 8;
 
-/// What model files say of [`point_feature_histogram`], which has no choices.
+/// Parameters of [`point_feature_histogram`] in model files; it has no choices.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct AngleParams {
-    /// Which pairs of points are looked at.
+    /// Which pairs of points are counted.
     pub pairs: Pairs,
     /// Whether the signs of normals count.
     pub signs: AngleSigns,
 }
 
-/// Which pairs of points of a patch are looked at.
+/// Which pairs of points of a patch are counted.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Pairs {

@@ -1,6 +1,6 @@
 //! The axes along which points spread.
 
-/// Where points are and how they lie: their mean, and the axes of their spread.
+/// Mean of points, and the axes of their spread.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct PrincipalFrame {
     /// Mean of the points in metres.
@@ -10,8 +10,8 @@ pub struct PrincipalFrame {
 }
 
 impl PrincipalFrame {
-    /// The frame of these points; the axes of the coordinates without any spread. Of points on a line the last axis is that
-    /// across it which is nearest to upright, or x for an upright line. `None` without points.
+    /// The frame of these points; the axes of the coordinates without any spread. For points on a line the last axis is the
+    /// one across it that is nearest to upright, or x for an upright line. `None` without points.
     pub fn around(points_m: impl Iterator<Item = [f64; 3]> + Clone) -> Option<Self> {
         let (mut n, mut sum) = (0.0, [0.0; 3]);
         for point_m in points_m.clone() {
@@ -43,10 +43,10 @@ impl PrincipalFrame {
     }
 }
 
-/// Points that spread less than this across their main axis, squared and of the spread along it, are a line.
+/// Points are a line if their squared spread across the main axis is at most this share of that along it.
 const LEAST_SPREAD: f64 = 1e-9;
 
-/// A line with these axes has no direction that its points prefer across it.
+/// Axes of a line, whose points prefer no direction across it.
 fn axes_of_line(along: [f64; 3]) -> [[f64; 3]; 3] {
     let [x, y, z] = along;
     let level = (x * x + y * y).sqrt();
@@ -56,7 +56,7 @@ fn axes_of_line(along: [f64; 3]) -> [[f64; 3]; 3] {
 
 /// Sweeps after which Jacobi's method ends in any case; it needs four or five.
 const MOST_SWEEPS: usize = 12;
-/// What is left beside the diagonal, of the whole, when it ends.
+/// It ends when the elements beside the diagonal are at most this share of the trace.
 const SMALL: f64 = 1e-14;
 
 /// The eigenvectors of a symmetric matrix, of which the upper half is read, with their eigenvalues from the largest to the

@@ -1,8 +1,8 @@
-//! How far what is seen of an object reaches.
+//! Extents of the seen part of an object.
 
 use super::level_spread::LevelSpread;
 
-/// Lengths of what is seen of an object, in metres.
+/// Extents of the seen part of an object, in metres.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct SeenExtents {
     /// Height of its lowest point above the ground.
@@ -16,12 +16,12 @@ pub struct SeenExtents {
 }
 
 impl SeenExtents {
-    /// Those of some points; nothing without any. Not in the papers.
+    /// The extents of these points; all 0 without points. Not in the papers.
     pub fn of(points_m: impl Iterator<Item = [f64; 3]> + Clone) -> Self {
         Self::with_spread(LevelSpread::of(points_m.clone()), points_m)
     }
 
-    /// The same of points whose spread is known.
+    /// The extents of points whose spread is known; all 0 without points.
     pub(super) fn with_spread(spread: LevelSpread, points_m: impl Iterator<Item = [f64; 3]>) -> Self {
         let widen = |[low, high]: [f64; 2], [_, _, z]: [f64; 3]| [low.min(z), high.max(z)];
         let [bottom_m, top_m] = points_m.fold([f64::INFINITY, f64::NEG_INFINITY], widen);

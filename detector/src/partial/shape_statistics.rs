@@ -1,9 +1,9 @@
-//! Shape statistics of all that is seen of an object, from every point of it.
+//! Shape statistics of the seen part of an object, from all of its points.
 
 use super::level_spread::LevelSpread;
 use super::seen_extents::SeenExtents;
 
-/// Shape statistics of all that is seen of an object: lengths in metres, shares, and how much it leans. All points count,
+/// Shape statistics of the seen part of an object: lengths in metres, shares, and how much it leans. All points count,
 /// because thinning would take the edge off thin things.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct ShapeStatistics {
@@ -21,12 +21,12 @@ pub struct ShapeStatistics {
     pub slices: [ShapeSlice; N_SLICES],
 }
 
-/// What lies within a sixth of the height.
+/// The points within a sixth of the height.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct ShapeSlice {
     /// Its share of all points.
     pub share: f64,
-    /// How its points spread on the ground plan; nothing of fewer than three.
+    /// How its points spread on the ground plan; all 0 for fewer than three.
     pub spread: LevelSpread,
 }
 
@@ -34,13 +34,13 @@ pub struct ShapeSlice {
 pub const N_SLICES: usize = 6;
 /// Slices with fewer points have no spread.
 const LEAST_POINTS: usize = 3;
-/// What is not higher counts as so high, in metres.
+/// Lower objects count as this high, in metres.
 const LEAST_HEIGHT_M: f64 = 1e-3;
-/// Added to the squares of heights, so that what is level has no tilt, in square metres.
+/// Added to the squares of heights, so that level objects have no tilt, in square metres.
 const LEVEL_M2: f64 = 1e-6;
 
 impl ShapeStatistics {
-    /// Height of what is seen, from its bottom to its top, in metres.
+    /// Height of the seen part, from its bottom to its top, in metres.
     pub fn height_m(&self) -> f64 {
         self.extents.top_m - self.extents.bottom_m
     }
@@ -53,8 +53,8 @@ pub struct ShapeMeter {
 }
 
 impl ShapeMeter {
-    /// The shape statistics of some points; nothing without any. A point where two slices meet belongs to the upper one. Not
-    /// in the papers.
+    /// The shape statistics of these points; all 0 without points. A point where two slices meet belongs to the upper one.
+    /// Not in the papers.
     pub fn measure(&mut self, points_m: impl Iterator<Item = [f64; 3]> + Clone) -> ShapeStatistics {
         let spread = LevelSpread::of(points_m.clone());
         let extents = SeenExtents::with_spread(spread, points_m.clone());

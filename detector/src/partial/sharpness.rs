@@ -1,4 +1,4 @@
-//! How sure a decision is: from scores to chances that are right as often as they say.
+//! How sure a decision is: scores turned into chances that are right as often as they say.
 
 use crate::portable_math::{exp, ln};
 
@@ -7,7 +7,7 @@ use crate::portable_math::{exp, ln};
 pub struct HeldOutScores {
     /// A score for each class, of which the largest decides.
     pub scores: Vec<f32>,
-    /// What it is.
+    /// Its class.
     pub class_idx: usize,
 }
 
@@ -16,7 +16,7 @@ const LOG_RANGE: [f64; 2] = [-6.0, 8.0];
 /// The range is cut by a third in each.
 const N_CUTS: usize = 40;
 
-/// What scores are to be multiplied by for the right classes to be most likely; 1 without scores.
+/// The factor of scores that makes the right classes most likely; 1 without scores.
 ///
 /// The cost is convex in the factor, so that a search by thirds finds its least.
 pub fn learn_sharpness(held_out: &[HeldOutScores]) -> f32 {

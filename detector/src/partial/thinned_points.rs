@@ -47,7 +47,7 @@ impl ThinnedPoints {
         }
     }
 
-    /// What is left, in metres.
+    /// The thinned points, in metres.
     pub fn points_m(&self) -> &[[f64; 3]] {
         &self.points_m
     }

@@ -1,4 +1,4 @@
-//! From clouds of known classes to a bag of graphs.
+//! Training of a bag of graphs on clouds of known classes.
 
 use std::collections::BTreeMap;
 
@@ -21,11 +21,11 @@ use crate::describe::trained_file::Provenance;
 pub struct TrainingCloud {
     /// Its class.
     pub class_idx: usize,
-    /// Which object it is of: clouds of one object are held out together.
+    /// Its object: clouds of one object are held out together.
     pub object_idx: usize,
-    /// Which part of the object has been seen; clouds of the same part of objects of a class have a mean bag of their own.
+    /// The seen part of the object; clouds of the same part of objects of a class have a mean bag of their own.
     pub part: usize,
-    /// In which way the object was looked at: within a class, all ways weigh the same.
+    /// The way in which the object was looked at: within a class, all ways weigh the same.
     pub way_idx: usize,
     /// Its keypoints and extents.
     pub described: DescribedCloud,
@@ -51,7 +51,7 @@ pub enum TrainingError {
     /// Fewer than two classes.
     #[error("there are {n_classes} classes; at least 2 are needed")]
     Classes {
-        /// How many.
+        /// Number of classes.
         n_classes: usize,
     },
     /// A class that has nothing to learn from.
@@ -63,11 +63,11 @@ pub enum TrainingError {
     /// A cloud of no class.
     #[error("cloud {cloud_idx} is of class {class_idx}, but there are {n_classes}")]
     UnknownClass {
-        /// Which cloud.
+        /// Index of the cloud.
         cloud_idx: usize,
-        /// What it says.
+        /// Its class.
         class_idx: usize,
-        /// How many there are.
+        /// Number of classes.
         n_classes: usize,
     },
 }
@@ -75,8 +75,8 @@ pub enum TrainingError {
 /// Learns to predict `classes` from `clouds`, which were described with the same parameters. Clouds without keypoints are
 /// left out.
 ///
-/// How sure decisions are is learned from clouds of objects that were held out in turn; the labels and patterns are those of
-/// all. The same clouds in the same order give the same model to the bit, on every machine and with any number of threads.
+/// Clouds of objects held out in turn show how sure decisions are; labels and patterns are learned from all. The same clouds
+/// in the same order give the same model to the bit, on every machine and with any number of threads.
 ///
 /// # Errors
 ///
@@ -185,7 +185,7 @@ impl Learner<'_> {
         decision
     }
 
-    /// What is learned from some clouds, without how sure it is.
+    /// The decision learned from some clouds, without its sharpness and limits of strangeness.
     fn learned_from(&self, cloud_indices: &[usize]) -> Decision {
         let weights = match self.params.decision.rule {
             DecisionRule::Nearest => Vec::new(),
@@ -239,7 +239,7 @@ impl Learner<'_> {
         cloud_indices.iter().map(bag).collect()
     }
 
-    /// Every cloud whose class was learned from others.
+    /// Clouds with their scores by decisions that were learned from other objects.
     fn held_out(&self) -> Vec<HeldOutCloud> {
         let n_folds = self.params.decision.n_folds;
         let mut found = Vec::new();
@@ -271,14 +271,14 @@ impl Learner<'_> {
     }
 }
 
-/// A cloud that was not learned from.
+/// A cloud with its scores by a decision that was learned from other objects.
 struct HeldOutCloud {
     cloud_idx: usize,
     strangeness: f32,
     scores: HeldOutScores,
 }
 
-/// The number that `share` of all do not exceed; infinite for all of them, and without any.
+/// The number that `share` of all do not exceed; infinite if `share` is 1, and without numbers.
 fn nearest_share(numbers: &mut [f32], share: f64) -> f32 {
     numbers.sort_by(f32::total_cmp);
     let n_near = (share * numbers.len() as f64).ceil() as usize;

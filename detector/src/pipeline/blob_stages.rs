@@ -1,4 +1,4 @@
-//! From the foreground to objects with boxes, by the cells that they lie in.
+//! Stages that make objects with boxes of the foreground, by the cells that its points lie in.
 
 use crate::detector::{DetectorOutput, DropReason, DroppedCluster};
 use crate::drawn::blobs::{cut_borders, merge_graph, object_cells};
@@ -31,7 +31,7 @@ pub fn merge(params: ConnectedComponentsParams) -> impl Stage {
     }
 }
 
-/// Cuts links along gaps between dense cells, and gathers the points of what is left.
+/// Cuts links along gaps between dense cells, and gathers the points of the objects that remain.
 ///
 /// Paper: HG section 3.2, third step, and section 4.
 impl Stage for DenseSeparation {
@@ -55,7 +55,7 @@ impl Stage for DenseSeparation {
     }
 }
 
-/// Which coarse cells merging linked, of which `cut_links` were cut.
+/// The coarse cells that merging linked; `cut_links` are the links that were cut.
 pub fn linked_blocks(frame: &Frame, cut_links: &[[u32; 2]]) -> StageProduct {
     let shape = merge_graph(&frame.grid, &frame.dense, &frame.links, cut_links);
     StageProduct { stage: stage::MERGE, name: "links", shape }

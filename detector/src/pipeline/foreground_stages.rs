@@ -1,4 +1,4 @@
-//! From a scan to the points that may belong to objects.
+//! Stages that find the points of a scan that may belong to objects.
 
 use crate::detector::DetectorOutput;
 use crate::drawn::surfaces::surface_cells;
@@ -24,7 +24,7 @@ pub fn foreground_stages(params: &HierarchicalParams) -> Stages {
         .then(stage::FOREGROUND, ForegroundPoints)
 }
 
-/// These stages alone, for a sensor `sensor_height_m` above the road: what they find is in the frame, and there are no
+/// These stages alone, for a sensor `sensor_height_m` above the road: their results are in the frame, and there are no
 /// detections.
 pub fn foreground(params: &HierarchicalParams, sensor_height_m: f32) -> Pipeline {
     let frame = Frame::new(params, sensor_height_m);

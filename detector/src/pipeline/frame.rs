@@ -1,4 +1,4 @@
-//! What the stages of a detector hand on to each other.
+//! The frame that the stages of a detector hand on to each other.
 
 use crate::drawn::surfaces::class_by_cell;
 use crate::fit::fitted_objects::FittedObjects;
@@ -24,9 +24,9 @@ use crate::segment::terrain::Terrain;
 use crate::segment::wall_refinement::WallRefinement;
 use crate::surface_class::SurfaceClass;
 
-/// What is known of one scan after another, in the order in which it is found, in reusable buffers.
+/// The results of stages on one scan after another, in the order in which they are found, in reusable buffers.
 ///
-/// What a detector has no stage for stays as it was made.
+/// Results that a detector has no stage for stay as they were made.
 pub struct Frame {
     /// The points in cells.
     pub grid: HierarchicalGrid,
@@ -50,7 +50,7 @@ pub struct Frame {
     pub clusters: Clusters,
     /// Groups within groups, of which some are objects.
     pub groups: Groups,
-    /// Objects with their boxes, what is asked about them and what models say.
+    /// Objects with their boxes, the values that models look at, and the decisions of models.
     pub fitted: FittedObjects,
 }
 
@@ -60,7 +60,7 @@ pub struct Groups {
     pub candidates: Candidates,
     /// Their dense cells.
     pub dense: DenseCells,
-    /// What joins these.
+    /// The linkage that joins these.
     pub linkage: Box<dyn Linkage>,
     /// All groupings.
     pub tree: GroupingTree,
@@ -69,21 +69,21 @@ pub struct Groups {
     /// Those that are taken for objects, or for vehicles if a model says so: nodes of the tree, ascending, of which none
     /// holds another.
     pub taken: Vec<u32>,
-    /// Which of them are taken only if a model takes them for vehicles.
+    /// Which of them are taken only if a model classifies them as vehicles.
     pub low_iou: LowIouGroups,
-    /// The points of those that are taken.
+    /// The points of the taken groups.
     pub points: NodePoints,
 }
 
 impl Frame {
-    /// A frame for a sensor `sensor_height_m` above the road. Gaps part groups.
+    /// A frame for a sensor `sensor_height_m` above the road. Gaps separate groups.
     pub fn new(params: &HierarchicalParams, sensor_height_m: f32) -> Self {
         let weighting = DensityWeighting::new(&params.density_weighting);
         let gaps = DenseGaps::new(params.grouping.gaps.clone(), &params.grid, &weighting);
         Self::over(Box::new(gaps), params, sensor_height_m)
     }
 
-    /// The same, with groups that `linkage` joins.
+    /// A frame with groups that `linkage` joins.
     pub fn over(linkage: Box<dyn Linkage>, params: &HierarchicalParams, sensor_height_m: f32) -> Self {
         let grid = HierarchicalGrid::new(params.grid.clone());
         let candidates = params.grouping.candidates.clone();
@@ -122,7 +122,7 @@ impl Frame {
         self.terrain.elevation_m(self.grid.nearest_column_and_row([x_m, y_m]))
     }
 
-    /// The class of every cell, and which of the tall ones a wall has taken.
+    /// The class of every cell: [`SurfaceClass::Wall`] for tall cells that a wall has taken.
     pub fn cell_classes(&self) -> Vec<SurfaceClass> {
         let mut classes = self.classes.clone();
         for &cell_idx in self.walls.taken() {

@@ -1,4 +1,4 @@
-//! From a scan to all groups of points that may be objects.
+//! Stages that find all groups of points of a scan that may be objects.
 
 use crate::describe::surroundings::ObjectRaster;
 use crate::detector::DetectorOutput;
@@ -33,7 +33,7 @@ pub fn grouping(frame: Frame, params: &HierarchicalParams) -> Pipeline {
     Pipeline { name: "grouping", frame, stages }
 }
 
-/// Finds the ground, and what hangs over it.
+/// Finds the ground, and the things that hang over it.
 fn ground_and_hanging(mut ground: GroundSegmentation) -> impl Stage {
     move |cloud: &PointCloud, frame: &mut Frame, output: &mut DetectorOutput| {
         ground.run(cloud, frame, output);
@@ -42,7 +42,7 @@ fn ground_and_hanging(mut ground: GroundSegmentation) -> impl Stage {
     }
 }
 
-/// Finds walls among what stands. They take nothing away.
+/// Finds walls among the things that stand. They take nothing away.
 struct StandingWalls;
 
 impl Stage for StandingWalls {
@@ -56,7 +56,7 @@ impl Stage for StandingWalls {
     }
 }
 
-/// Gathers what may belong to objects, with what speaks against it.
+/// Gathers the points that may belong to objects, with the evidence against it.
 struct CandidatePoints;
 
 impl Stage for CandidatePoints {
@@ -76,7 +76,7 @@ fn fill_cells(cloud: &PointCloud, frame: &mut Frame, _: &mut DetectorOutput) {
     linkage.fill(&LinkedScan { cloud, grid, terrain, candidates }, dense);
 }
 
-/// Finds what joins these.
+/// Finds the links between these.
 fn link_cells(cloud: &PointCloud, frame: &mut Frame, _: &mut DetectorOutput) {
     let Frame { grid, terrain, groups: Groups { candidates, linkage, dense, .. }, .. } = frame;
     linkage.link(&LinkedScan { cloud, grid, terrain, candidates }, dense);

@@ -1,4 +1,4 @@
-//! From objects with boxes to detections.
+//! Stages that make detections of objects with boxes.
 
 use std::sync::Arc;
 
@@ -24,7 +24,7 @@ use crate::stage_product::StageProduct;
 use crate::whole::box_model::BoxModel;
 use crate::whole::reported_boxes::ReportedBoxes;
 
-/// The models of detectors that look at objects with boxes.
+/// The models of detectors that classify objects with boxes.
 #[derive(Debug, Clone, Default)]
 pub struct ObjectModels {
     /// Classifies vehicles; without it, their size does.
@@ -47,7 +47,7 @@ pub fn object_stages(params: &HierarchicalParams, models: ObjectModels) -> Stage
     stages.and(completion_stages(params, models.boxes))
 }
 
-/// The last two of them.
+/// Completion and reported boxes.
 pub fn completion_stages(params: &HierarchicalParams, box_model: Option<Arc<BoxModel>>) -> Stages {
     let completed = CompletedObjects {
         cluster: params.cluster.clone(),
@@ -78,13 +78,13 @@ fn class_of(object: &FittedObject, sizes: &SizeGateParams, rule: VehicleRule) ->
     }
 }
 
-/// The rule that models have beside their decisions, if there is one.
+/// [`Rule::SmallVehicles`], if vehicles may have fewer points than other objects.
 pub fn small_vehicles(cluster: &ClusterParams) -> Option<Rule> {
     let min_points = cluster.least_vehicle_points();
     (min_points < cluster.min_points).then_some(Rule::SmallVehicles { min_points })
 }
 
-/// Computes what a model of trees looks at.
+/// Computes the values that a model of trees looks at.
 struct Features {
     model: VehicleModel,
     bounds: VehicleBoundsParams,
@@ -99,7 +99,7 @@ impl Stage for Features {
         fitted.describe(|bounding_box, positions_m| {
             let [x_m, y_m, _] = bounding_box.center_m;
             let ground_m = terrain.elevation_m(grid.nearest_column_and_row([x_m, y_m]));
-            // Of what the model is not asked about, only the ground is found.
+            // For objects that the model is not asked about, only the ground is found.
             let surroundings = if bounds.allow(bounding_box, ground_m) {
                 raster.around(bounding_box, ground_m)
             } else {

@@ -67,7 +67,7 @@ pub fn paper(
     Pipeline { name: "paper", frame: Frame::new(&params, sensor_height_m), stages }
 }
 
-/// Computes what the model looks at.
+/// Computes the values that the model looks at.
 ///
 /// Paper: VM sections 4 and 5.
 impl Stage for PaperModel {

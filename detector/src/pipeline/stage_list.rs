@@ -8,23 +8,23 @@ use crate::stage_product::StageProduct;
 
 /// One step from a scan to detections.
 ///
-/// It has parameters and buffers of its own. What other stages need of its work it leaves in the frame.
+/// It has parameters and buffers of its own. Results that other stages need are left in the frame.
 pub trait Stage: Send {
-    /// Does its work on `cloud` and on what earlier stages left in `frame`. The last stages write `output`.
+    /// Does its work on `cloud` and on the results of earlier stages in `frame`. The last stages write `output`.
     fn run(&mut self, cloud: &PointCloud, frame: &mut Frame, output: &mut DetectorOutput);
 
-    /// What it left behind of the latest scan, which is `cloud`. Asked when all stages have run.
+    /// Its products of the latest scan, which is `cloud`. Asked when all stages have run.
     fn products(&self, _cloud: &PointCloud, _frame: &Frame) -> Vec<StageProduct> {
         Vec::new()
     }
 
-    /// What it does beside finding clusters.
+    /// Its rules beside finding clusters.
     fn rules(&self, _frame: &Frame) -> Vec<Rule> {
         Vec::new()
     }
 }
 
-/// A function is a stage that shows nothing.
+/// A function is a stage without products.
 impl<F: FnMut(&PointCloud, &mut Frame, &mut DetectorOutput) + Send> Stage for F {
     fn run(&mut self, cloud: &PointCloud, frame: &mut Frame, output: &mut DetectorOutput) {
         self(cloud, frame, output);
@@ -36,13 +36,13 @@ impl<F: FnMut(&PointCloud, &mut Frame, &mut DetectorOutput) + Send> Stage for F 
 pub struct Stages(Vec<(&'static str, Box<dyn Stage>)>);
 
 impl Stages {
-    /// The same, and then `stage`; `name` is one of [`stage`](crate::stage) or of the detector's own.
+    /// Appends `stage`; `name` is one of [`stage`](crate::stage) or of the detector's own.
     pub fn then(mut self, name: &'static str, stage: impl Stage + 'static) -> Self {
         self.0.push((name, Box::new(stage)));
         self
     }
 
-    /// The same, and then all of `others`.
+    /// Appends all of `others`.
     pub fn and(mut self, others: Self) -> Self {
         self.0.extend(others.0);
         self
@@ -58,7 +58,7 @@ impl Stages {
     }
 }
 
-/// A detector that is nothing but a frame and stages over it.
+/// A detector that consists of a frame and stages over it.
 ///
 /// ```
 /// use detector::detector::DetectorOutput;
@@ -87,9 +87,9 @@ impl Stages {
 pub struct Pipeline {
     /// The name on the command line.
     pub name: &'static str,
-    /// What its stages know of the latest scan.
+    /// The results of its stages on the latest scan.
     pub frame: Frame,
-    /// They.
+    /// Its stages.
     pub stages: Stages,
 }
 

@@ -1,4 +1,4 @@
-//! The best that we can make of the hierarchical grid.
+//! Our best detector with a hierarchical grid.
 
 use std::sync::Arc;
 
@@ -22,23 +22,23 @@ use crate::stage;
 use crate::stage_product::StageProduct;
 use crate::whole::box_model::BoxModel;
 
-/// What a detector of groups decides by.
+/// Models of a detector of groups.
 #[derive(Debug, Clone)]
 pub struct GroupModels {
     /// Which groups are objects, and which objects are vehicles.
     pub groups: Arc<GroupingModel>,
-    /// What classifies vehicles.
+    /// How vehicles are classified.
     pub vehicles: VehiclesBy,
     /// Boxes of whole vehicles; those of the model that comes with the program if there is none.
     pub boxes: Option<Arc<BoxModel>>,
 }
 
-/// What classifies groups as vehicles.
+/// How groups are classified as vehicles.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum VehiclesBy {
-    /// Their size.
+    /// By their size.
     Size,
-    /// The model of groups.
+    /// By the model of groups.
     Model,
 }
 

@@ -1,4 +1,4 @@
-//! Such functions of numbers of single precision: reckoned in double precision, and rounded.
+//! These functions for numbers of single precision: computed in double precision, and rounded.
 
 use std::f64::consts::{FRAC_PI_2, FRAC_PI_4};
 
@@ -53,7 +53,7 @@ pub fn atan2(y: f32, x: f32) -> f32 {
 /// Arc tangent of 0 to 1.
 #[inline]
 fn atan_below_one(tangent: f64) -> f64 {
-    // Of odd numbers from 3 to 23.
+    // The odd numbers from 3 to 23.
     const SERIES: [f64; 11] = [
         -1.0 / 3.0,
         1.0 / 5.0,

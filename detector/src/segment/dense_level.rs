@@ -28,7 +28,7 @@ pub const NO_BLOCK: u32 = u32::MAX;
 
 impl DenseLevel {
     /// Replaces the content by the points `point_indices` of the scan in `grid`: the highest ones of `cells`, which are
-    /// coarse cells in ascending order and hold one of them each at least.
+    /// coarse cells in ascending order, each with at least one of these points.
     pub fn fill(&mut self, grid: &HierarchicalGrid, cells: &[u32], point_indices: &[u32]) {
         self.number_blocks(grid, cells);
         self.n_dense_per_block = (grid.params().xi * grid.params().xi) as usize;
@@ -40,7 +40,7 @@ impl DenseLevel {
         let (cell_of_point, dense_within) = (grid.cell_of_point(), grid.dense_within_of_point());
         let block_of_cell = &self.block_of_cell[..];
         let (n_points, first_idx) = (&mut self.n_points[..], &mut self.first_idx[..n_dense]);
-        // Backward, so that the first index is the one that is written last.
+        // Backward, so that the first index is written last.
         let indices = (0..point_indices.len() as u32).rev();
         let points = point_indices.iter().rev().zip(self.dense_of_point.iter_mut().rev());
         for (index, (&point_idx, dense_of_point)) in indices.zip(points) {

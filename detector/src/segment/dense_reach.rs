@@ -1,4 +1,4 @@
-//! How far dense cells are from each other, by table.
+//! Table of the distances between dense cells.
 
 /// For every dense cell of a block, the dense cells of that block and of its eight neighbours that lie within some
 /// steps, sideways or diagonal.
@@ -26,8 +26,8 @@ impl DenseReach {
         Self { n_cells: (xi * xi) as usize, most_steps, within: within.collect() }
     }
 
-    /// Dense cells of the sets `from` and `to` that are within `max_steps` of one of the other: of the set that has fewer.
-    /// The block of `to` is `steps` columns and rows away, each -1, 0 or 1.
+    /// Number of dense cells of one of the sets `from` and `to` that are within `max_steps` of a cell of the other: the
+    /// smaller one of both numbers. The block of `to` is `steps` columns and rows away, each -1, 0 or 1.
     pub fn n_contacts(&self, [from, to]: [u64; 2], steps: [i32; 2], max_steps: u32) -> u32 {
         let there = self.neighborhood(from, steps, max_steps) & to;
         let here = self.neighborhood(to, steps.map(i32::wrapping_neg), max_steps) & from;

@@ -17,7 +17,7 @@ pub struct DenseSeparationParams {
     pub enabled: bool,
     /// A dense cell with less than this share of the points it could be expected to hold is near-empty.
     pub low_density_share: f32,
-    /// What upright objects hold, as a multiple of what all points together put into a dense cell at their range.
+    /// Points in a dense cell of an upright object, over those that all points together put into one at its range.
     pub object_density_ratio: f32,
     /// Where all points together put this many into a dense cell, a single empty dense cell separates.
     pub single_gap_points: f32,
@@ -27,14 +27,14 @@ pub struct DenseSeparationParams {
 
 /// Decides for every dense cell which object it belongs to.
 ///
-/// *Parts* are the groups of occupied dense cells of a coarse cell that touch: one, unless a line of near-empty dense
-/// cells runs through it (Fig. 4 c). Parts of linked coarse cells stay together if occupied dense cells of the one
-/// touch those of the other, on either side as many as the parameters say; near-empty dense cells along their border, straight (Fig. 4 a) or stepped (Fig. 4 b),
-/// keep them apart.
+/// *Parts* are the groups of occupied dense cells of a coarse cell that touch: one, unless a line of near-empty dense cells
+/// runs through it (Fig. 4 c). Parts of linked coarse cells stay together if occupied dense cells of the one touch those of
+/// the other, on either side as many as the parameters say; near-empty dense cells along their border, straight (Fig. 4 a)
+/// or stepped (Fig. 4 b), keep them apart.
 ///
-/// Both what is near-empty and how many empty dense cells in a row are a gap follow from the weight of the range. A
-/// dense cell could be expected to hold what the others of its coarse cell do on average, but not more than upright objects
-/// hold at that range ([`ExpectedDensity`]).
+/// The weight of the range decides which dense cells are near-empty, and how many empty dense cells in a row are a gap. A
+/// dense cell is expected to hold what the others of its coarse cell hold on average, but not more than upright objects hold
+/// at that range ([`ExpectedDensity`]).
 ///
 /// Paper: HG section 3.2, third step, Fig. 4, and section 4.
 #[derive(Debug, Clone)]
@@ -309,7 +309,7 @@ mod tests {
         check(drawing, "aaaaaa\naa.aaa\naa.aaa");
         let two = DenseSeparationParams { min_contacts: 2, ..PARAMS };
         assert_eq!(separated(drawing, 6.0, &two, &weighting(true)), "aaabbb\naa.bbb\naa.bbb");
-        // There is no more of it that could touch.
+        // No more of it could touch.
         assert_eq!(
             separated("..####\n...###\n...###", 6.0, &two, &weighting(true)),
             "..aaaa\n...aaa\n...aaa"

@@ -17,7 +17,7 @@ impl DisjointSets {
     /// The smallest element of the set of `element`.
     pub fn representative(&mut self, mut element: u32) -> u32 {
         while self.parent[element as usize] != element {
-            // Halving the path on the way keeps it short for the next that asks.
+            // Halving the path on the way keeps later look-ups short.
             let grandparent = self.parent[self.parent[element as usize] as usize];
             self.parent[element as usize] = grandparent;
             element = grandparent;

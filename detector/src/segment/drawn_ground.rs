@@ -1,4 +1,4 @@
-//! A level road to test with, and what the first stages make of it.
+//! A level road to test with, and the results of the first stages on it.
 
 use crate::detector::DetectorOutput;
 use crate::params::HierarchicalParams;
@@ -8,7 +8,7 @@ use crate::pipeline::stage_list::Stage as _;
 use crate::point_cloud::PointCloud;
 use crate::surface_class::SurfaceClass;
 
-/// How high the sensor is above the road.
+/// Height of the sensor above the road.
 pub(crate) const SENSOR_HEIGHT_M: f32 = 1.73;
 
 /// A point every 20 cm, so many steps ahead, back, and to either side.

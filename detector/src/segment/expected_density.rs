@@ -4,16 +4,16 @@ use crate::grid::density_weighting::DensityWeighting;
 use crate::grid::hierarchical_grid::{GridParams, HierarchicalGrid};
 use crate::portable_math::single;
 
-/// What is expected of dense cells at one range.
+/// Expected density of dense cells at one range.
 #[derive(Debug, Clone, Copy)]
 pub struct Expected {
     /// Points of a dense cell on an upright object.
     pub object_points: f32,
-    /// Up to how many steps between occupied dense cells there is no gap between them.
+    /// Most steps between occupied dense cells without a gap between them.
     pub max_steps: u32,
 }
 
-/// The same at every range.
+/// Expected density of dense cells at every range.
 ///
 /// The density falls with about the cube of the range, over level ground, where the sensor's rays fan out in proportion to
 /// the range: so its cube root gives how far apart neighbouring points of one surface may lie.
@@ -25,8 +25,9 @@ pub struct ExpectedDensity {
 }
 
 impl ExpectedDensity {
-    /// Of dense cells of grids of the geometry `grid`. Upright objects hold `object_density_ratio` times what all points
-    /// together put into a dense cell at their range; where that is `single_gap_points`, a single empty dense cell is a gap.
+    /// For grids of the geometry `grid`. Upright objects hold `object_density_ratio` times the points that all points
+    /// together put into a dense cell at their range; where the latter are `single_gap_points`, a single empty dense cell is
+    /// a gap.
     pub fn new(
         object_density_ratio: f32,
         single_gap_points: f32,
@@ -35,7 +36,7 @@ impl ExpectedDensity {
     ) -> Self {
         let dense_size_m = grid.cell_size_m / grid.xi as f32;
         let points_at_weight_1 = weighting.peak_points_per_m2() * dense_size_m * dense_size_m;
-        // Multiplying what is expected by the weight is dividing all counts by it.
+        // Multiplying the expected points by the weight is dividing all counts by it.
         let expected = |weight: &f32| Expected {
             object_points: object_density_ratio * points_at_weight_1 * weight,
             max_steps: single::cbrt(single_gap_points / (points_at_weight_1 * weight)).ceil().max(1.0) as u32,
@@ -43,7 +44,7 @@ impl ExpectedDensity {
         Self { by_metre: weighting.weight_by_metre().iter().map(expected).collect() }
     }
 
-    /// Of the dense cells of a coarse cell.
+    /// The expected density of the dense cells of a coarse cell.
     pub fn of_cell(&self, grid: &HierarchicalGrid, cell_idx: u32) -> Expected {
         let [x_m, y_m] = grid.center_m(cell_idx);
         let metre = (x_m * x_m + y_m * y_m).sqrt() as usize;

@@ -19,7 +19,7 @@ pub struct ForegroundParams {
 }
 
 impl ForegroundParams {
-    /// How high the ground of a cell reaches, in metres: what lies higher stands clear of it.
+    /// Elevation of the upper end of a cell's ground, in metres: higher points stand clear of it.
     pub fn ground_top_m(&self, grid: &HierarchicalGrid, terrain: &Terrain, cell_idx: u32) -> f32 {
         let terrain_m = terrain.elevation_m(grid.column_and_row(cell_idx));
         let lowest_m = grid.cells()[cell_idx as usize].z_min_m;
@@ -82,7 +82,7 @@ impl Foreground {
         self.n_points = n_points;
     }
 
-    /// Replaces the cells by others, ascending: where what stands is found in another way.
+    /// Replaces the cells by others, ascending, that were found in another way.
     pub fn set_cells(&mut self, cells: impl Iterator<Item = u32>) {
         self.cells.clear();
         self.cells.extend(cells);
@@ -95,7 +95,7 @@ impl Foreground {
         self.n_points = self.point_indices.len();
     }
 
-    /// What counts as standing clear of the ground.
+    /// The parameters: which points stand clear of the ground.
     pub fn params(&self) -> &ForegroundParams {
         &self.params
     }

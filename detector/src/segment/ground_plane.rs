@@ -1,20 +1,20 @@
 //! The plane through blocks of known ground.
 
-/// Planes lean towards the level by so much, in square metres.
+/// Added to the sums of squared offsets, in square metres: so planes lean towards the level.
 const LEVELLING_M2: f32 = 2.0;
 
 /// A block that a plane goes through.
 #[derive(Debug, Clone, Copy, Default)]
 pub struct KnownBlock {
-    /// From the block that is asked for, on the plan, in metres.
+    /// Offset from the block in question on the ground plan, in metres.
     pub offset_m: [f32; 2],
     /// Elevation of its ground, in metres.
     pub elevation_m: f32,
-    /// How much it counts.
+    /// Its weight.
     pub weight: f32,
 }
 
-/// The ground as it goes on.
+/// The plane in which the ground goes on.
 #[derive(Debug, Clone, Copy)]
 pub struct GroundPlane {
     middle_m: [f32; 3],
@@ -53,7 +53,7 @@ impl GroundPlane {
         Some(Self { middle_m, slope: slope.map(|it| share * it) })
     }
 
-    /// Its elevation at a position that is so far from the block that is asked for, in metres.
+    /// Its elevation at this offset from the block in question, in metres.
     pub fn elevation_m(&self, offset_m: [f32; 2]) -> f32 {
         let [x_m, y_m] = [0, 1].map(|axis| offset_m[axis] - self.middle_m[axis]);
         self.middle_m[2] + self.slope[0] * x_m + self.slope[1] * y_m

@@ -1,4 +1,4 @@
-//! Which points are ground, for those who ask a detector for no more than that.
+//! Ground points, for users who ask a detector for no more than that.
 
 use crate::grid::hierarchical_grid::{HierarchicalGrid, NO_CELL};
 use crate::point_cloud::PointCloud;
@@ -9,8 +9,8 @@ use crate::surface_class::SurfaceClass;
 /// Whether each point of `cloud` is ground, in the order of the scan; `grid` holds the cloud, and `classes` has the class of
 /// each cell.
 ///
-/// All points of a ground cell are. Of any other cell those are that do not stand clear of its ground: the road around an
-/// object's feet, the grass below a tree. Points outside of the grid are not.
+/// All points of a ground cell are ground. Points of any other cell are ground if they do not stand clear of its ground: the
+/// road around an object's feet, the grass below a tree. Points outside of the grid are not.
 pub fn ground_points(
     cloud: &PointCloud,
     grid: &HierarchicalGrid,
@@ -41,7 +41,7 @@ mod tests {
         let params = HierarchicalParams::shipped();
         let mut cloud: PointCloud = road(100).collect();
         let n_road = cloud.len();
-        // A pole of 4 m, and what lies beyond the grid.
+        // A pole of 4 m, and a point beyond the grid.
         for height_m in [0.05, 0.1, 0.3, 1.0, 2.0, 3.0, 4.0] {
             cloud.push([9.0, 3.0, height_m - 1.73], 0.0);
         }

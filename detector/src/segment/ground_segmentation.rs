@@ -19,15 +19,15 @@ pub struct GroundSegmentationParams {
     pub max_ground_extent_m: f32,
     /// The mean elevation around a ground cell is within this of the terrain, in metres.
     pub ground_band_m: f32,
-    /// Whether a ground cell is within it, too. In the paper its neighbourhood is enough.
+    /// Whether the highest point of a ground cell is within it, too. In the paper its neighbourhood is enough.
     pub low_itself: bool,
-    /// A cell that reaches higher, or spans more, is tall; in metres.
+    /// A cell whose highest point is higher than this, or that spans more, is tall; in metres.
     pub tall_height_m: f32,
-    /// Above what it reaches higher.
+    /// Level that its height is measured from.
     pub tall_over: HeightOver,
 }
 
-/// What a height is measured from.
+/// Level that a height is measured from.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum HeightOver {
@@ -43,20 +43,20 @@ pub enum HeightOver {
 /// m over a level road, which is [`HeightOver::LevelRoad`]; over the *terrain* a climbing road does not turn its cars into
 /// walls.
 ///
-/// A fixed number of points, as in the paper, makes clutter of what stands far away: at 40 m the road puts a point into
-/// every third cell. With [`GroundSegmentationParams::fewer_far_away`] the number follows the weight of the range down to a
-/// single point, as all counts do in section 4.
+/// A fixed number of points, as in the paper, makes clutter of objects far away: at 40 m the road puts a point into every
+/// third cell. With [`GroundSegmentationParams::fewer_far_away`] the number follows the weight of the range down to a single
+/// point, as all counts do in section 4.
 ///
 /// Paper: HG sections 3.1 and 4.
 #[derive(Debug, Clone)]
 pub struct GroundSegmentation {
     params: GroundSegmentationParams,
-    // A cell has at least so many points, or is clutter.
+    // Fewest points of a cell that is no clutter.
     least_points_by_metre: Vec<u32>,
 }
 
 impl GroundSegmentation {
-    /// For grids of the geometry `grid`.
+    /// Classes for grids of the geometry `grid`.
     pub fn new(params: GroundSegmentationParams, grid: &GridParams, weighting: &DensityWeighting) -> Self {
         let points_at_weight_1 = weighting.peak_points_per_m2() * grid.cell_size_m * grid.cell_size_m;
         let least_points = |weight: &f32| {
@@ -129,8 +129,7 @@ mod tests {
     use crate::pipeline::foreground_stages::ground;
     use crate::segment::drawn_ground::{class_around, road, segmented};
 
-    /// The same as the paper prints it.
-    /// The papers to the letter.
+    /// The parameters of the papers to the letter.
     fn printed() -> HierarchicalParams {
         let mut params = PaperParams::shipped();
         params.ground.fewer_far_away = false;
@@ -143,7 +142,7 @@ mod tests {
         class_by(&HierarchicalParams::shipped(), 0.0, extra)
     }
 
-    /// The same on a road that rises by `rise` over run to the front, with other parameters.
+    /// The class of that cell on a road that rises by `rise` over run to the front, with other parameters.
     fn class_by(params: &HierarchicalParams, rise: f32, extra: &[[f32; 3]]) -> SurfaceClass {
         let road = road(100).map(|[x, y, z]| [x, y, z + rise * x]);
         class_around(&segmented(params, &road.chain(extra.iter().copied()).collect()), [9.0, 3.0])
@@ -201,7 +200,7 @@ mod tests {
         assert_eq!(far(&printed(), 5), SurfaceClass::Short);
     }
 
-    /// The class of a cell that alone is occupied, `x_m` in front of the sensor, by `n_points` one above the other.
+    /// The class of the only occupied cell, `x_m` in front of the sensor, with `n_points` one above the other.
     fn class_alone(n_points: usize, x_m: f32, weighted: bool) -> SurfaceClass {
         let mut params = HierarchicalParams::shipped();
         params.density_weighting.enabled = weighted;

@@ -11,13 +11,13 @@ use crate::seeded_draws::SeededDraws;
 pub struct HoughParams {
     /// Directions a line may have, spread evenly over half a turn.
     pub n_directions: u32,
-    /// Votes for a line from which on the cells along it are looked at.
+    /// Least votes for a line whose cells are followed.
     pub min_votes: u16,
     /// Least length of a segment, in cells.
     pub min_length_cells: u32,
     /// Longest gap within a segment, in cells.
     pub max_gap_cells: u32,
-    /// What the order of the votes is drawn from.
+    /// Seed of the order of the votes.
     pub seed: u64,
 }
 
@@ -52,7 +52,7 @@ pub struct HoughLines {
     segments: Vec<Segment>,
 }
 
-/// What a cell has to do with the search.
+/// State of a cell in the search.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum CellState {
     /// It is not in the set, or its segment was taken out.
@@ -72,12 +72,12 @@ struct Ray {
     across: [i32; 2],
 }
 
-/// How far a ray was followed.
+/// The part of a ray that was followed.
 #[derive(Debug, Clone, Copy)]
 struct Run {
     /// Steps to the last cell.
     n_steps: u32,
-    /// How many cells lie beside it, and twice those that lie on it.
+    /// Steps with a cell on the ray or beside it; those with a cell on it count twice.
     fit: u32,
 }
 
@@ -146,7 +146,7 @@ impl HoughLines {
         [cell_idx % self.n_columns, cell_idx / self.n_columns].map(|it| it as i32)
     }
 
-    /// Where the votes of a cell for a direction are counted.
+    /// Index of the counter of a cell's votes for a direction.
     fn bin(&self, direction: usize, [column, row]: [i32; 2]) -> usize {
         let [cosine, sine] = self.normals[direction];
         let distance = (column * cosine + row * sine + FIXED_ONE as i32 / 2) >> 16;
@@ -167,8 +167,8 @@ impl HoughLines {
 
     /// Takes the longest segment through a cell out of the set and keeps it if it is long enough.
     ///
-    /// A few votes fit lines of several directions; of those with as many as any, the one that fits the most cells best is
-    /// followed.
+    /// A few votes fit lines of several directions; of the lines with the most votes, the one that fits the most cells best
+    /// is followed.
     fn take_out_segment(&mut self, cell_idx: u32, n_votes: u16) {
         let position = self.position(cell_idx);
         let mut best = (0, 0);

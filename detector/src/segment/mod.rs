@@ -1,4 +1,4 @@
-//! From cells to separate objects.
+//! Separate objects found among cells.
 
 // Which points are foreground.
 pub mod ground_plane;
@@ -19,7 +19,7 @@ pub mod expected_density;
 pub mod dense_separation;
 pub mod object_points;
 
-// The same for detectors that label points instead of cells.
+// Clusters, for detectors that label points instead of cells.
 pub mod clusters;
 
 #[cfg(test)]

@@ -6,8 +6,8 @@ use crate::point_cloud::PointCloud;
 use crate::segment::dense_level::DenseLevel;
 use crate::segment::dense_separation::NO_OBJECT;
 
-/// Copies of the foreground points in the order of their objects, so that what follows reads them from memory one
-/// after the other.
+/// Copies of the foreground points in the order of their objects, so that later stages read them from memory one after the
+/// other.
 ///
 /// Objects are numbered anew, in the order of their first points.
 #[derive(Debug, Clone, Default)]
@@ -26,7 +26,7 @@ pub struct ObjectPoints {
 /// A point of an object.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ObjectPoint {
-    /// Where it is, in metres.
+    /// Its position in metres.
     pub position_m: [f32; 3],
     /// Its dense cell.
     pub dense_idx: u32,
@@ -68,7 +68,7 @@ impl ObjectPoints {
         }
     }
 
-    /// Finds out where each object's points go, from the dense cells alone.
+    /// Finds where each object's points go, from the dense cells alone.
     fn order_objects(&mut self, dense: &DenseLevel, object_of_dense: &[u32], n_objects: usize) {
         self.n_points.clear();
         self.n_points.resize(n_objects, 0);

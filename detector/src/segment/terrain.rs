@@ -1,4 +1,4 @@
-//! How high the ground is, everywhere.
+//! Elevation of the ground, everywhere.
 
 use serde::Deserialize;
 
@@ -31,11 +31,11 @@ pub struct TerrainParams {
 ///
 /// It grows outward from below the sensor, whose height above the road is known, so that a flat roof cannot pass for the
 /// ground however many points it has. The ground that is known so far goes on as a plane, up to
-/// [`TerrainParams::max_slope`]. What lies flat is ground if it is near that plane: it may fall away from it as steeply as a
+/// [`TerrainParams::max_slope`]. A flat surface is ground if it is near that plane: it may fall away from it as steeply as a
 /// road, for the nearer side of it may have been no ground, and rise above it by little, or the ground would climb over
-/// bonnets and hedges. Where nothing flat is seen the plane goes on, and where nothing at all is seen the mean of the known
-/// neighbours; neither lies above the lowest things of the block or of those next to it. A flat surface with something lower
-/// in its block is a roof: beyond a hilltop often only roofs are level.
+/// bonnets and hedges. Blocks without a flat surface continue the plane; empty blocks take the mean of the known neighbours.
+/// Neither lies above the lowest things of the block or of those next to it. A flat surface with something lower in its
+/// block is a roof: beyond a hilltop often only roofs are level.
 ///
 /// Paper: VM section 3, "globally estimated digital terrain map".
 #[derive(Debug, Clone)]
@@ -59,14 +59,14 @@ pub struct Terrain {
     low_of_block_m: Vec<f32>,
 }
 
-/// What is known so far of a block.
+/// Knowledge of a block so far.
 #[derive(Debug, Clone, Copy)]
 struct Knowledge {
-    /// Blocks that were seen speak louder than those that were guessed.
+    /// Seen blocks weigh more than guessed ones.
     weight: f32,
-    /// How much it says of how the ground goes on.
+    /// Its weight in the planes in which the ground goes on.
     plane_weight: f32,
-    /// Blocks since the last one that was seen, 0 where it was.
+    /// Blocks since the last seen one, 0 for a seen one.
     n_unseen: u16,
 }
 
@@ -83,21 +83,21 @@ impl Knowledge {
 /// Planes go through blocks that are no farther away than this, sideways and lengthwise.
 const REACH: usize = 3;
 const WINDOW: usize = 2 * REACH + 1;
-/// A block that is so near to its neighbours, in metres, goes on as they do.
+/// A block this near to the mean of its neighbours, in metres, is on a level with them.
 const LEVEL_M: f32 = 0.1;
-/// What a block that was not seen says of how the ground goes on, over that of a seen one: one with nothing flat in it, and
-/// one with something lower than the plane.
+/// Weight in planes of a block that was not seen, over that of a seen one: of a block with nothing flat in it, and of one
+/// with something lower than the plane.
 const GUESSED_WEIGHT: f32 = 0.25;
 const LOWERED_WEIGHT: f32 = 0.2;
-/// From as many seen blocks on the plane through them is sure.
+/// Seen blocks from which on the plane through them is sure.
 const N_SURE: u32 = 6;
-/// Without them the ground may rise above it by so much more.
+/// Factor of the rise that the ground may have above a plane that is not sure.
 const UNSURE_BEND: f32 = 1.75;
-/// Share of the cells of a block that lie below what counts as its lowest things, and the fewest points of such a cell:
-/// drops of rain and mirror images are single points.
+/// Share of the cells of a block that lie below its lowest things, and the fewest points of such a cell: drops of rain and
+/// mirror images are single points.
 const LOWEST_QUANTILE: f32 = 0.25;
 const LOWEST_MIN_POINTS: u32 = 3;
-/// A flat surface is a roof if the lowest things of its block are so much lower, in metres.
+/// A flat surface is a roof if the lowest things of its block are lower by more than this, in metres.
 const LEAST_BELOW_ROOF_M: f32 = 0.25;
 /// How steeply the ground of a block may rise from the lowest things of the next block, rise over run.
 const MAX_SLOPE_FROM_NEXT: f32 = 0.1;
@@ -134,15 +134,15 @@ impl BlockElevations {
     }
 }
 
-/// Where a cell's centre lies along one axis.
+/// Position of a cell's centre along one axis.
 #[derive(Debug, Clone, Copy)]
 struct AxisPosition {
     /// The block that holds the cell.
     block: u32,
-    /// The blocks with the nearest centres before and behind, the same at the ends.
+    /// The blocks with the nearest centres before and behind; one block at the ends.
     before: u32,
     behind: u32,
-    /// How much `behind` counts.
+    /// The weight of `behind`.
     share: f32,
 }
 
@@ -251,7 +251,7 @@ impl Terrain {
         (goes_on_m, Knowledge::unseen(n_unseen + 1, guess_weight))
     }
 
-    /// How high the ground of a block may lie by the lowest things of the eight next to it, infinite if there are none.
+    /// Greatest elevation of the ground of a block by the lowest things of the eight next to it, infinite if there are none.
     fn bound_by_next_m(&self, block_idx: usize, block_size_m: f32) -> f32 {
         let n = self.n_block_columns;
         let lowest_of = |indices: [usize; 4]| {
@@ -276,8 +276,8 @@ impl Terrain {
         low_m + y.share * (high_m - low_m)
     }
 
-    /// What the neighbours that are already known have for an elevation, and for how many blocks they have not seen the
-    /// ground.
+    /// Mean elevation of the neighbours that are already known, by their weights, and the fewest blocks since one of them
+    /// saw the ground.
     fn level_with_neighbors(&self, block_idx: usize) -> (f32, u16) {
         let n = self.n_block_columns;
         let (mut sum_m, mut weight_sum, mut fewest_unseen) = (0.0, 0.0, u16::MAX);
@@ -293,11 +293,11 @@ impl Terrain {
         if weight_sum > 0.0 { (sum_m / weight_sum, fewest_unseen) } else { (-self.sensor_height_m, 0) }
     }
 
-    /// Where the plane through the blocks around that are already known has this one, and whether they are enough to be
-    /// sure.
+    /// Elevation at this block of the plane through the known blocks around it, and whether enough of them were seen for it
+    /// to be sure.
     ///
-    /// Twice by least squares: what lies above the first plane counts little in the second one, for it may be no ground, and
-    /// what lies below it counts more.
+    /// Twice by least squares: blocks above the first plane count little in the second one, for they may be no ground, and
+    /// blocks below it count more.
     fn plane_through_neighbors(&self, block_idx: usize, block_size_m: f32) -> Option<(f32, bool)> {
         let mut known = [KnownBlock::default(); WINDOW * WINDOW];
         let (mut n_known, mut n_seen) = (0, 0);
@@ -451,8 +451,8 @@ mod tests {
         check(street, street, 0.16);
     }
 
-    /// The error of the terrain at `x_m` on a road that is level for 18 m and then falls by an eighth, out of sight. Of what
-    /// stands there only `car_m` is seen: positions along the road and heights above it. All in metres.
+    /// The error of the terrain at `x_m` on a road that is level for 18 m and then falls by an eighth, out of sight. There
+    /// only `car_m` is seen: positions along the road and heights above it. All in metres.
     fn above_hidden_road_m(car_m: &[(f32, f32)], x_m: f32) -> f32 {
         let road_m = |x: f32| -SENSOR_HEIGHT_M - 0.125 * (x - 18.0).max(0.0);
         let seen = seen_positions_m().filter(|(x, _)| *x < 18.0).map(|(x, y)| [x, y, road_m(x)]);

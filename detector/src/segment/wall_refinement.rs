@@ -20,7 +20,7 @@ pub struct WallRefinementParams {
     /// Whether walls are found as the paper prints it. `min_height_m`, `ceiling_margin_deg`, `min_standing` and
     /// `max_ground_behind` are not used then.
     pub as_printed: bool,
-    /// Where they are found as printed, the cells beside a segment become tall, too.
+    /// Whether the cells beside a segment become tall, too, where walls are found as printed.
     pub beside: bool,
     /// Least height above the terrain of a cell that may support a wall, in metres: above the roofs of cars.
     pub min_height_m: f32,
@@ -28,7 +28,7 @@ pub struct WallRefinementParams {
     pub ceiling_margin_deg: f32,
     /// Least share of a segment's length along which cells support a wall.
     pub min_support: f32,
-    /// Least share of a segment's length along which cells support a wall that do not hang over the street. Which hang is
+    /// Least share of a segment's length along which cells support a wall and do not hang over the street. Hanging cells are
     /// known only where cells are looked into, for the tree of groupings.
     pub min_standing: f32,
     /// Greatest share of a segment's length behind which ground is seen: a wall hides it, rain and rows of trunks do not.
@@ -40,13 +40,13 @@ pub struct WallRefinementParams {
 /// Turns the short cells of walls into tall ones.
 ///
 /// Near the sensor no beam reaches the height at which a cell is tall: 3.1 m with the topmost beam at +2° and 1.73 m
-/// above the road is 39 m away. What is known of a near façade is that it goes on up to the topmost beam: a cell that is
-/// tall, or higher than cars and *cut off* by the upper end of the field of view, supports a wall. Segments are
-/// found among the supporting cells, so a row of parked cars makes none however straight it is; the short cells on a
-/// segment become tall whether they support it or not.
+/// above the road is 39 m away. A near façade is only known to go on up to the topmost beam: a cell that is tall, or higher
+/// than cars and *cut off* by the upper end of the field of view, supports a wall. Segments are found among the supporting
+/// cells, so a row of parked cars makes none however straight it is; the short cells on a segment become tall whether they
+/// support it or not.
 ///
 /// With [`WallRefinementParams::as_printed`] segments are found among all tall and short cells. The paper takes each for a
-/// wall, a row of parked cars, too; here enough of its cells have to be tall. Only what lies on it becomes tall.
+/// wall, a row of parked cars, too; here enough of its cells have to be tall.
 ///
 /// Paper: HG section 3.1, refinement by a probabilistic Hough transform, and Fig. 3.
 #[derive(Debug, Clone)]
@@ -54,7 +54,7 @@ pub struct WallRefinement {
     params: WallRefinementParams,
     lines: HoughLines,
     rises: Vec<f32>,
-    // What rises so much for its range is cut off by the upper end of the field of view.
+    // Rise over range from which on the upper end of the field of view cuts a cell off.
     least_cut_off: f32,
     // For every cell: 1 where it supports a wall.
     supports: Vec<u32>,
@@ -63,7 +63,7 @@ pub struct WallRefinement {
     shadows: Vec<Shadow>,
     // For every step along every wall, one behind the other, whether a cell there or beside it bears the wall.
     borne: Vec<bool>,
-    // Cells that became tall and whose neighbours are still to be looked at.
+    // Cells that became tall and whose neighbours are not processed yet.
     front: Vec<u32>,
     // For every cell the length of the longest wall that it lies on, in metres; those of an earlier scan are in the list.
     wall_length_m: Vec<f32>,
@@ -77,8 +77,8 @@ const MIN_RANGE_OF_CEILING_M: f32 = 8.0;
 /// The rise of the field of view's upper end is this quantile of the rises of the cells' highest points.
 const CEILING_QUANTILE: f32 = 0.99;
 
-/// The upper end of the field of view is known if it cuts off this share of what stands beyond [`MIN_RANGE_OF_CEILING_M`],
-/// and if that is higher than cars.
+/// The upper end of the field of view is known if it cuts off this share of the standing cells beyond
+/// [`MIN_RANGE_OF_CEILING_M`], counting only cells higher than cars as cut off.
 const LEAST_CUT_OFF_SHARE: f32 = 0.1;
 
 impl WallRefinement {
@@ -159,7 +159,7 @@ impl WallRefinement {
                 self.turn_tall(classes, on);
                 self.front.push(on);
                 for beside in sides.into_iter().flatten() {
-                    // What is right behind a wall is seen through its windows.
+                    // Cells right behind a wall are seen through its windows.
                     if self.is_support[beside as usize] || range_m(grid, beside) > range_m(grid, on) {
                         let turned = self.turn_tall(classes, beside);
                         self.front.extend(turned);
@@ -172,7 +172,7 @@ impl WallRefinement {
         self.measure(grid);
     }
 
-    /// Segments among all tall and short cells are walls if enough of them is tall, and their short cells become tall.
+    /// Segments among all tall and short cells are walls if enough of their cells are tall; their short cells become tall.
     fn refine_as_printed(&mut self, grid: &HierarchicalGrid, classes: &mut [SurfaceClass]) {
         for &cell_idx in &self.supports {
             self.is_support[cell_idx as usize] = false;
@@ -203,7 +203,7 @@ impl WallRefinement {
         self.measure(grid);
     }
 
-    /// Notes for every cell on a wall how long the wall is.
+    /// Records for every cell on a wall the length of the wall.
     fn measure(&mut self, grid: &HierarchicalGrid) {
         for &segment in &self.walls {
             let [start_m, end_m] = [segment.start, segment.end].map(|position| center_m(grid, position));
@@ -216,7 +216,7 @@ impl WallRefinement {
         }
     }
 
-    /// What lies behind a wall is seen through its windows and doors, and stands in no street.
+    /// Turns short cells behind a wall into tall ones: they are seen through windows and doors, and stand in no street.
     fn clear_behind(&mut self, grid: &HierarchicalGrid, classes: &mut [SurfaceClass]) {
         for &cell_idx in grid.occupied() {
             let is_short = classes[cell_idx as usize] == SurfaceClass::Short;
@@ -226,19 +226,19 @@ impl WallRefinement {
         }
     }
 
-    /// Whether a wall of the latest scan hides this position of the ground plan from the sensor. Through the gaps of a wall,
-    /// where no cell bears it, one sees the street.
+    /// Whether a wall of the latest scan hides this position of the ground plan from the sensor. The gaps of a wall, where
+    /// no cell bears it, hide nothing.
     pub fn is_behind_wall(&self, position_m: [f32; 2]) -> bool {
         self.shadows.iter().any(|it| it.covers(position_m, &self.borne))
     }
 
-    /// Whether the upper end of the field of view of the latest scan cuts off what reaches this height over the sensor at
-    /// this range, both in metres. Nothing is known of it if walls are not looked for, or little reaches it.
+    /// Whether the upper end of the field of view of the latest scan cuts off things that reach this height over the sensor
+    /// at this range, both in metres. `false` if that end is not known, or walls are not looked for.
     pub fn is_cut_off(&self, range_m: f32, top_m: f32) -> bool {
         top_m >= self.least_cut_off * range_m
     }
 
-    /// Bays, reliefs and side walls: what supports a wall and touches one is wall.
+    /// Extends walls to bays, reliefs and side walls: a cell that supports a wall and touches one is wall.
     fn spread(&mut self, grid: &HierarchicalGrid, classes: &mut [SurfaceClass]) {
         while let Some(cell_idx) = self.front.pop() {
             for neighbor_idx in grid.neighborhood(cell_idx) {
@@ -250,13 +250,13 @@ impl WallRefinement {
         }
     }
 
-    /// The length of the longest wall of the latest scan on which a cell lies, or beside which, in metres; 0 of a cell on
-    /// none.
+    /// The length of the longest wall of the latest scan on which a cell lies, or beside which, in metres; 0 for other
+    /// cells.
     pub fn length_of_wall_m(&self, cell_idx: u32) -> f32 {
         self.wall_length_m[cell_idx as usize]
     }
 
-    /// Turns a short cell into a tall one; `None` if it is none.
+    /// Turns a short cell into a tall one; `None` if it is not short.
     fn turn_tall(&mut self, classes: &mut [SurfaceClass], cell_idx: u32) -> Option<u32> {
         let class = &mut classes[cell_idx as usize];
         (*class == SurfaceClass::Short).then(|| {
@@ -311,7 +311,7 @@ impl WallRefinement {
             }
         }
         if (n_cut_off as f32) < LEAST_CUT_OFF_SHARE * self.rises.len() as f32 {
-            // Nothing much is seen up there: what is highest for its range may well end there.
+            // Too little is seen up there: the cells that are highest for their range may well end there.
             self.least_cut_off = f32::INFINITY;
         }
     }
@@ -353,7 +353,7 @@ mod tests {
             self.seen_up_to(from_m, to_m, height_m, TOP_RISE)
         }
 
-        /// The same with a topmost beam that rises by `top_rise`.
+        /// A surface as a sensor sees it whose topmost beam rises by `top_rise`.
         fn seen_up_to(mut self, from_m: [f32; 2], to_m: [f32; 2], height_m: f32, top_rise: f32) -> Self {
             for step in 0..=400 {
                 let share = step as f32 / 400.0;
@@ -374,7 +374,7 @@ mod tests {
             self.class_by(&params, position_m)
         }
 
-        /// The same as the paper prints it.
+        /// The class of the cell around `position_m` with walls as the paper prints them.
         fn printed_class_at(&self, position_m: [f32; 2]) -> SurfaceClass {
             self.class_by(&PaperParams::shipped().stages(&HierarchicalParams::shipped()), position_m)
         }
@@ -385,7 +385,7 @@ mod tests {
             })
         }
 
-        /// The class of the cell around `position_m` where all hangs over the street that lies to the right of `from_x_m`.
+        /// The class of the cell around `position_m` if all cells in front of `from_x_m` hang over the street.
         fn class_if_hanging(&self, position_m: [f32; 2], from_x_m: f32) -> SurfaceClass {
             self.class_refined(
                 &HierarchicalParams::shipped(),

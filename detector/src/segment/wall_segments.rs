@@ -1,4 +1,4 @@
-//! The cells along the segments that walls are found as, and what is behind them.
+//! The cells along the segments of walls, and the ground plan behind them.
 
 use std::ops::Range;
 
@@ -18,7 +18,7 @@ pub(super) struct Shadow {
 }
 
 impl Shadow {
-    /// What `wall` hides; appends where `is_support` bears it to `borne`.
+    /// The shadow of `wall`; appends to `borne` where `is_support` bears it.
     pub(super) fn of(
         wall: Segment,
         grid: &HierarchicalGrid,
@@ -73,7 +73,7 @@ pub(super) fn corridor(segment: Segment) -> impl Iterator<Item = [[i32; 2]; 3]> 
     })
 }
 
-/// The share of a segment's length along which `is_support` of a cell on it or beside it.
+/// The share of a segment's length along which a cell on it or beside it is a support by `is_support`.
 pub(super) fn support_share(
     segment: Segment,
     grid: &HierarchicalGrid,
@@ -88,7 +88,7 @@ pub(super) fn support_share(
     n_supported as f32 / n as f32
 }
 
-/// How far behind a segment ground is looked for, in metres.
+/// Distances behind a segment at which ground is looked for, in metres.
 const BEHIND_M: [f32; 3] = [1.2, 1.8, 2.4];
 
 /// The share of a segment's length behind which there is ground, as the sensor sees it.

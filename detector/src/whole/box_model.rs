@@ -7,7 +7,7 @@ use crate::classify::model_file::{ModelFile, ModelFileError};
 use crate::describe::trained_file::Provenance;
 use crate::whole::box_values::{BOX_VALUES, N_BOX_VALUES};
 
-/// What it calls itself in its file.
+/// Kind of the model in its file.
 const BOX_MODEL: &str = "boxes";
 /// The forests in it.
 const TURNED: &str = "turned";
@@ -18,10 +18,10 @@ const RIGHT: &str = "right";
 /// The forests that predict the box of a whole vehicle. All but the first see whether it is turned.
 #[derive(Debug, Clone, PartialEq)]
 pub struct BoxModel {
-    /// The logarithm of the odds that it is longer along the width of what is seen of it.
+    /// The logarithm of the odds that it is longer along the width of its seen part.
     pub turned: Forest<N_BOX_VALUES>,
-    /// How far it reaches beyond what is seen of it, in metres: at the near end, the far end, the near side, the far side
-    /// and the top.
+    /// How far it reaches beyond its seen part, in metres: at the near end, the far end, the near side, the far side and the
+    /// top.
     pub growth_m: [Forest<N_BOX_VALUES>; 5],
     /// The logarithm of the odds that its front is the end that is farther away.
     pub away: Forest<N_BOX_VALUES>,

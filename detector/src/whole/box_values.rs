@@ -47,8 +47,7 @@ pub const BOX_VALUES: [&str; N_BOX_VALUES] = [
     "is_turned",
 ];
 
-/// The index of `is_turned`: whether the vehicle is longer along the width of what is seen of it. Unknown at first, and 0
-/// then.
+/// The index of `is_turned`: whether the vehicle is longer along the width of its seen part. Unknown at first, and 0 then.
 pub const IS_TURNED: usize = N_BOX_VALUES - 1;
 
 /// The values of an object with these points and this box around them, whose frame is `frame`, above ground of elevation
@@ -103,7 +102,7 @@ pub fn box_values(
     values
 }
 
-/// The slice, of `n`, that holds a position. Slices are 1/`scale` m wide and lie around the centre; what lies outside is in
+/// The slice, of `n`, that holds a position. Slices are 1/`scale` m wide and lie around the centre; positions outside are in
 /// the outermost.
 fn slice(position_m: f32, scale: f32, n: usize) -> usize {
     ((position_m * scale + 0.5 * n as f32) as usize).min(n - 1)

@@ -12,7 +12,7 @@ use crate::point_cloud::PointCloud;
 use crate::whole::box_model::BoxModel;
 use crate::whole::whole_box::{SeenVehicle, WholeBoxes};
 
-/// What ends no higher above the ground than this stands on it, in metres.
+/// Objects that end no higher above the ground than this stand on it, in metres.
 const MOST_CLEARANCE_M: f32 = 0.6;
 
 /// Which boxes are reported.
@@ -23,15 +23,15 @@ pub struct BoxParams {
     /// section 4).
     pub outline: bool,
     /// Whether vehicles have the box of the whole vehicle, and other objects one down to the ground if it ends a little
-    /// above it; otherwise that of what is seen.
+    /// above it; otherwise that of the seen part.
     pub whole: bool,
 }
 
-/// Fits the boxes that are reported, when all else has been decided. Points and classes do not change.
+/// Fits the boxes that are reported, after all other decisions. Points and classes do not change.
 #[derive(Debug, Clone)]
 pub struct ReportedBoxes {
     outlined: bool,
-    // Nothing where boxes are those of what is seen.
+    // `None` where boxes are those of the seen parts.
     model: Option<Arc<BoxModel>>,
     outline: OutlineBox,
     positions_m: Vec<[f32; 3]>,
@@ -52,7 +52,7 @@ impl ReportedBoxes {
         }
     }
 
-    /// The same by another model, if there is one and vehicles are made whole at all.
+    /// Replaces the model by `other`, if there is one and vehicles are made whole at all.
     pub fn with_model(self, other: Option<Arc<BoxModel>>) -> Self {
         Self { model: self.model.map(|shipped| other.unwrap_or(shipped)), ..self }
     }
@@ -85,7 +85,7 @@ impl ReportedBoxes {
         }
     }
 
-    /// The box of what is seen. A vehicle that is made whole is noted.
+    /// The box of the seen part. A vehicle that is made whole is recorded.
     fn fit(
         &mut self,
         cloud: &PointCloud,
@@ -108,7 +108,7 @@ impl ReportedBoxes {
     }
 }
 
-/// The same box, down to the ground if it ends a little above it: what is low is not seen, or taken for ground.
+/// `seen`, extended down to the ground if it ends a little above it: low parts are not seen, or taken for ground.
 fn standing(seen: OrientedBox, ground_m: f32) -> OrientedBox {
     let [x_m, y_m, z_m] = seen.center_m;
     let [length_m, width_m, height_m] = seen.length_width_height_m;
@@ -134,7 +134,7 @@ mod tests {
 
     const GROUND_M: f32 = -1.7;
 
-    /// Everything is 1 m longer at its far end than it is seen, and faces the sensor.
+    /// A model by which every vehicle is 1 m longer at its far end than its seen part, and faces the sensor.
     fn model() -> Arc<BoxModel> {
         let always = |it: f32| Forest::new(Vec::new(), it).unwrap();
         let growth_m = [0.0, 1.0, 0.0, 0.0, 0.0].map(always);

@@ -1,4 +1,4 @@
-//! The frame in which what is seen of a vehicle is looked at.
+//! The frame of the seen part of a vehicle.
 
 use crate::oriented_box::OrientedBox;
 use crate::portable_math::single;
@@ -14,7 +14,7 @@ pub struct SeenFrame {
     axes: [[f32; 2]; 2],
     /// Half the length and half the width, in metres.
     pub half_m: [f32; 2],
-    /// How far the centre is from the sensor along u and along v, in metres; neither is negative.
+    /// Distance of the centre from the sensor along u and along v, in metres; neither is negative.
     pub from_sensor_m: [f32; 2],
 }
 

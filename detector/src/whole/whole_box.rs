@@ -7,28 +7,28 @@ use crate::whole::box_model::BoxModel;
 use crate::whole::box_values::{IS_TURNED, N_BOX_VALUES, box_values};
 use crate::whole::seen_frame::SeenFrame;
 
-/// A box may become smaller than what is seen by so much at a side, in metres: a mirror, or a stray point.
+/// A box may be smaller than the seen part by this much at a side, in metres: a mirror, or a stray point.
 const MOST_SHRINKAGE_M: f32 = 0.5;
 /// And by no more than this share of it, so that something is left.
 const MOST_SHRINKAGE: f32 = 0.25;
 /// No side of a box is shorter, in metres.
 const LEAST_SIDE_M: f32 = 0.3;
 
-/// A side is seen if it faces the sensor, and the whole reaches no farther than this beyond what is seen there, in metres.
+/// A side is seen if it faces the sensor, and the whole reaches no farther than this beyond the seen part there, in metres.
 const MOST_BEYOND_SEEN_M: f32 = 0.25;
 /// The front is sure from these log odds on: a probability of 0.9.
 const SURE_LOG_ODDS: f32 = 2.2;
 
-/// What is asked about a vehicle.
+/// A vehicle whose whole box is predicted.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct SeenVehicle {
-    /// The box of what is seen of it.
+    /// The box of its seen part.
     pub seen: OrientedBox,
     /// Its frame.
     pub frame: SeenFrame,
     /// Elevation of the ground below it, in metres.
     pub ground_m: f32,
-    /// The values, still without whether it is turned.
+    /// The values, in which [`IS_TURNED`] is not set yet.
     pub values: [f32; N_BOX_VALUES],
 }
 
@@ -40,7 +40,7 @@ impl SeenVehicle {
         Self { seen, frame, ground_m, values }
     }
 
-    /// How far the whole reaches beyond what is seen, without giving up too much of that.
+    /// `growth_m` beyond the seen part, limited so that most of the seen part stays in the box.
     fn limited_m(&self, growth_m: [f32; 5]) -> [f32; 5] {
         let least_m = |axis: usize| -MOST_SHRINKAGE_M.min(MOST_SHRINKAGE * 2.0 * self.frame.half_m[axis]);
         let [near_u_m, far_u_m, near_v_m, far_v_m, top_m] = growth_m;
@@ -48,7 +48,7 @@ impl SeenVehicle {
         [near_u_m.max(along_m), far_u_m.max(along_m), near_v_m.max(across_m), far_v_m.max(across_m), top_m]
     }
 
-    /// Which sides are seen, if the whole reaches so far beyond what is seen and its front is the far or the near end.
+    /// The seen sides, if the whole reaches `growth_m` beyond the seen part and its front is the far or the near end.
     fn sides(&self, is_turned: bool, growth_m: [f32; 5], is_away: bool) -> SeenSides {
         let growth_m = self.limited_m(growth_m);
         let is_seen = |axis: usize| {
@@ -70,7 +70,7 @@ impl SeenVehicle {
         }
     }
 
-    /// The box that reaches so far beyond what is seen, and whose front is the far or the near end.
+    /// The box that reaches `growth_m` beyond the seen part, and whose front is the far or the near end.
     fn grown(&self, is_turned: bool, growth_m: [f32; 5], is_away: bool) -> OrientedBox {
         let [near_u_m, far_u_m, near_v_m, far_v_m, top_m] = self.limited_m(growth_m);
         let [half_u_m, half_v_m] = self.frame.half_m;
@@ -96,22 +96,22 @@ impl SeenVehicle {
 pub struct WholeBox {
     /// The box. It stands on the ground, and its yaw, in (−π, π], is that of the front.
     pub bounding_box: OrientedBox,
-    /// What is seen of the vehicle.
+    /// The seen sides of the vehicle, and whether its front is sure.
     pub seen: SeenOfVehicle,
     /// The logarithm of the odds that the box is right, if this is a vehicle.
     pub right_log_odds: f32,
 }
 
 impl WholeBox {
-    /// What is said of the box. `score` is the logarithm of the odds that it is a vehicle; without one it is taken for one,
-    /// and the score is that of the box alone.
+    /// Details of the box. `score` is the logarithm of the odds that it is a vehicle; without one it is taken for one, and
+    /// the score is that of the box alone.
     pub fn details(&self, score: Option<f32>) -> BoxDetails {
         let score = score.map_or(self.right_log_odds, |it| both_log_odds(it, self.right_log_odds));
         BoxDetails { score: Some(score), seen: Some(self.seen) }
     }
 }
 
-/// The logarithm of the odds that two things hold that do not depend on each other.
+/// The logarithm of the odds that two independent things hold.
 fn both_log_odds(one: f32, other: f32) -> f32 {
     let [one, other] = [one, other].map(|it| f64::from(it.clamp(-100.0, 100.0)));
     -ln(exp(-one) + exp(-other) + exp(-one - other)) as f32
@@ -155,12 +155,12 @@ impl WholeBoxes {
     }
 }
 
-/// How a vehicle with the box `whole` differs from what is seen of it: what a model predicts.
+/// Difference between a vehicle with the box `whole` and its seen part: a model predicts it.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Difference {
-    /// Whether it is longer along the width of what is seen.
+    /// Whether the vehicle is longer along the width of its seen part.
     pub is_turned: bool,
-    /// How far it reaches beyond what is seen, in metres, in the order of [`BoxModel::growth_m`].
+    /// How far the vehicle reaches beyond its seen part, in metres, in the order of [`BoxModel::growth_m`].
     pub growth_m: [f32; 5],
     /// Whether its front is the far end.
     pub is_away: bool,
@@ -169,7 +169,7 @@ pub struct Difference {
 }
 
 impl Difference {
-    /// That of a vehicle of which `seen` is seen.
+    /// The difference of a vehicle from its seen part.
     pub fn between(seen: &SeenVehicle, whole: &OrientedBox) -> Self {
         let (sin, cos) = single::sin_cos(whole.yaw_rad);
         let [along_u, along_v] = [0, 1].map(|axis| {

@@ -1,4 +1,4 @@
-//! What a weight over range is learned from: the density of the rings around the sensor, scan by scan.
+//! Density of the rings around the sensor, scan by scan. A weight over range is learned from it.
 
 use detector::grid::density_curve::{DensityCurve, LEAST_POINTS};
 use detector::grid::ring_density::{FIRST_RING_M, N_RINGS, RingCounts, ring_middle_m};

@@ -1,8 +1,8 @@
-//! What work has done so far, in a file that grows with it and outlives whatever ends the program.
+//! Journal of the results so far, in a file that grows with them and survives the end of the program, however it ends.
 //!
-//! The first line says what it belongs to; every other one is a result. A line is written at once, so that a program that
-//! is ended in the middle loses what it was doing and nothing else. Each begins with a checksum of all that the file has up
-//! to its end: a line that is changed, doubled, lost or out of place is found, and nothing from there on is believed.
+//! The first line identifies the work; every other line is a result. Each line is written at once, so that a program that is
+//! interrupted loses only the result it was working on. Each line begins with a checksum of all contents up to its end: a
+//! line that is changed, doubled, lost or out of place is detected, and neither it nor any line after it is used.
 
 use std::collections::BTreeSet;
 use std::fs::{File, TryLockError};
@@ -20,7 +20,7 @@ use serde_json::{Map, Value};
 /// Everything that decides the results, by name.
 pub type JournalIdentity = Map<String, Value>;
 
-/// What a journal is of, such as `sweep`.
+/// Kind of work that a journal belongs to, such as `sweep`.
 pub type JournalKind = &'static str;
 
 /// The longest line that is read, in bytes.
@@ -42,23 +42,23 @@ struct JournalEnd {
     checksum: LineChecksum,
 }
 
-/// Why a journal cannot be worked with.
+/// Why a journal cannot be used.
 #[derive(Debug, thiserror::Error)]
 pub enum JournalError {
-    /// It is that of another sweep, or of another run.
+    /// It belongs to another sweep, or to another run.
     #[error("{path:?} belongs to another {kind}: {} differ; continue that {kind} with its own options, choose another directory, or start again with --overwrite", differences.join(", "))]
     Another {
-        /// What it is of.
+        /// Kind of the journal.
         kind: JournalKind,
         /// The file.
         path: PathBuf,
-        /// What is not the same.
+        /// Full names of the entries that differ.
         differences: Vec<String>,
     },
-    /// Its first line says nothing.
+    /// Its first line is damaged, or identifies nothing.
     #[error("{path:?} is not the journal of a {kind}, or is damaged; start again with --overwrite")]
     NoJournal {
-        /// What it should be of.
+        /// Kind that was expected.
         kind: JournalKind,
         /// The file.
         path: PathBuf,
@@ -66,7 +66,7 @@ pub enum JournalError {
     /// Another program has it open.
     #[error("another {kind} is writing to {path:?}")]
     Locked {
-        /// What it is of.
+        /// Kind of the journal.
         kind: JournalKind,
         /// The file.
         path: PathBuf,
@@ -76,12 +76,12 @@ pub enum JournalError {
     Io {
         /// The file.
         path: PathBuf,
-        /// What it said.
+        /// Its error.
         source: io::Error,
     },
 }
 
-/// What to do with a journal of something else.
+/// How to treat a journal of other work.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum OtherJournal {
     /// Leave it and fail.
@@ -91,14 +91,14 @@ pub enum OtherJournal {
 }
 
 impl Journal {
-    /// Opens the journal at `path`, or begins it, and hands the results that are in it to `on_entry`.
+    /// Opens the journal at `path`, or begins it, and hands its results to `on_entry`.
     ///
-    /// Whatever stands from the first line on that is damaged, or that `on_entry` takes for none of this work, is cut off, and
-    /// is to be done again.
+    /// The first line that is damaged, or that `on_entry` rejects as not of this work, is cut off with all lines after it;
+    /// their results have to be computed again.
     ///
     /// # Errors
     ///
-    /// [`JournalError`] if the file is of something else than `identity`, in use, or cannot be written.
+    /// [`JournalError`] if the file belongs to other work than `identity`, is in use, or cannot be written.
     pub fn open<Entry: DeserializeOwned>(
         path: &Path,
         kind: JournalKind,
@@ -126,7 +126,7 @@ impl Journal {
             (Some(Some(differences)), OtherJournal::Refuse) => {
                 return Err(JournalError::Another { kind, path: path.to_owned(), differences });
             }
-            // Not to destroy what was never ours.
+            // So that no file of others is destroyed.
             _ if has_head && other == OtherJournal::Refuse => {
                 return Err(JournalError::NoJournal { kind, path: path.to_owned() });
             }
@@ -168,7 +168,7 @@ impl Journal {
         Ok(lines.damaged_line())
     }
 
-    /// Where it is.
+    /// Path of its file.
     pub fn path(&self) -> &Path {
         &self.path
     }
@@ -189,8 +189,8 @@ impl Journal {
         self.n_entries.load(Ordering::Relaxed)
     }
 
-    /// The number of the first line that was not believed when it was opened; `None` if all were, or if only the last one
-    /// was not written to its end.
+    /// Number of the first line that was rejected when the journal was opened; `None` if there was none, or if only the
+    /// last line was not written to its end.
     pub fn damaged_line(&self) -> Option<usize> {
         self.damaged_line
     }
@@ -217,10 +217,10 @@ impl Journal {
     }
 }
 
-/// The names under which `head` and `identity` do not say the same, with dots between those of tables within tables; `None`
-/// if `head` says nothing.
+/// Names of the entries that differ between `head` and `identity`, with dots between the names of nested tables; `None` if
+/// `head` is no table.
 fn differences(head: &[u8], identity: &JournalIdentity) -> Option<Vec<String>> {
-    /// More of them say no more.
+    /// A longer list would not help the user.
     const MOST: usize = 6;
     let found: JournalIdentity = serde_json::from_slice(head).ok()?;
     let mut names = Vec::new();
@@ -250,7 +250,7 @@ fn add_differences(table: &str, one: &JournalIdentity, other: &JournalIdentity, 
 struct LineChecksum(crc32fast::Hasher);
 
 impl LineChecksum {
-    /// That of all contents up to `content`.
+    /// Adds `content`. Returns the checksum of all contents up to it.
     fn add(&mut self, content: &[u8]) -> u32 {
         self.0.update(content);
         self.0.clone().finalize()
@@ -262,17 +262,17 @@ struct SoundLines<R> {
     reader: BufReader<BoundedLines<R>>,
     checksum: LineChecksum,
     n_lines: usize,
-    // That the sound ones take.
+    // Bytes of the sound lines.
     n_bytes: u64,
     state: LineState,
 }
 
-/// The line behind the sound ones.
+/// State of the line after the sound ones.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum LineState {
-    /// Not looked at, or not there.
+    /// Not read yet, or there is none.
     Unread,
-    /// The last one, of which only the beginning was written.
+    /// The last line, of which only the beginning was written.
     Half,
     /// Not as it was written.
     Damaged,
@@ -314,7 +314,7 @@ impl<R: Read> SoundLines<R> {
         Ok(Some(content.to_vec()))
     }
 
-    /// Hands the results of the lines that are left to `on_entry`, up to one that it does not take.
+    /// Hands the results of the remaining lines to `on_entry`, until it rejects one.
     fn each_entry<Entry: DeserializeOwned>(
         &mut self,
         mut on_entry: impl FnMut(Entry) -> bool,
@@ -424,7 +424,7 @@ mod tests {
             let (journal, entries) = open(&path, 1).unwrap();
             assert_eq!(entries, expected.iter().map(|it| entry(*it)).collect::<Vec<_>>(), "{changed:#?}");
             assert_eq!(journal.damaged_line(), Some(damaged_line), "{changed:#?}");
-            // What is done again fits what was kept.
+            // New results continue the lines that were kept.
             journal.add(&entry(9)).unwrap();
             drop(journal);
             let (journal, entries) = open(&path, 1).unwrap();

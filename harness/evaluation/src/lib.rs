@@ -1,7 +1,6 @@
-//! Detectors over labelled scans, from what they find to what became of every object: matching, metrics, runs, sweeps,
-//! training.
+//! Detectors run over labelled scans, and the outcome of every object: matching, metrics, runs, sweeps, training.
 //!
-//! Modules are declared in the order data reaches them; a module uses only what is declared above it.
+//! Modules are declared in the order data reaches them; a module uses only modules declared above it.
 
 pub mod journal;
 pub mod scan_pass;

@@ -39,11 +39,11 @@ impl ObjectBox {
     }
 }
 
-/// No point is nearer to a side than this when it counts, in metres.
+/// Points nearer to a side than this count as this far away, in metres.
 const LEAST_DISTANCE_M: f64 = 0.01;
 
-/// The box of the direction, of all whole degrees, at which the sum of one over the distance to the nearest side is
-/// greatest.
+/// Box along the direction, in whole degrees, that maximizes the sum over all points of one over the distance to the nearest
+/// side. `None` without points.
 fn closeness_box(positions_m: &[[f32; 3]]) -> Option<OrientedBox> {
     let closeness = |along: [f32; 2]| -> f64 {
         let [cos, sin] = along.map(f64::from);
@@ -77,7 +77,7 @@ mod tests {
 
     #[test]
     fn two_sides_of_a_car_have_their_corner_in_the_hull_box_and_turn_the_other() {
-        // What a sensor at the origin sees of a car: 40 points on the long side, 18 on the short one.
+        // A car as a sensor at the origin sees it: 40 points on the long side, 18 on the short one.
         let side = (0_u8..40).map(|it| [5.0 + f32::from(it) / 10.0, 2.0, -1.0]);
         let end = (0_u8..18).map(|it| [5.0, 2.0 + f32::from(it) / 10.0, 0.4]);
         let seen: Vec<[f32; 3]> = side.chain(end).collect();

@@ -1,4 +1,4 @@
-//! One look at every scan of a data set, several at once.
+//! A pass over the scans of a data set, several scans at once.
 
 use std::sync::atomic::{AtomicBool, Ordering};
 
@@ -6,12 +6,12 @@ use rayon::prelude::*;
 use scans::annotation::LabeledScan;
 use scans::dataset::{Dataset, DatasetError};
 
-/// The scans of a data set that are looked at.
+/// A pass over scans of a data set.
 #[derive(Clone, Copy)]
 pub struct ScanPass<'a> {
     /// The data set.
     pub dataset: &'a dyn Dataset,
-    /// Its scans, by their indices.
+    /// Indices of the scans to pass over.
     pub scan_indices: &'a [usize],
     /// Ends the pass before the next scan once it is set.
     pub interrupted: &'a AtomicBool,
@@ -19,7 +19,7 @@ pub struct ScanPass<'a> {
     pub on_scan: &'a (dyn Fn() + Sync),
 }
 
-/// Why scans could not be looked at.
+/// Why a pass ended early.
 #[derive(Debug, thiserror::Error)]
 pub enum ScanPassError {
     /// A scan could not be read.
@@ -45,7 +45,7 @@ pub struct PassedScan<'a> {
 }
 
 impl ScanPass<'_> {
-    /// What `look` makes of each scan, in their order. Every thread has a state of its own, made by `new_state`.
+    /// Results of `look` for each scan, in their order. Every thread has its own state, made by `new_state`.
     ///
     /// # Errors
     ///
@@ -64,7 +64,7 @@ impl ScanPass<'_> {
             (self.on_scan)();
             Ok(seen)
         };
-        // Collected before it is looked through for errors, so that the first in order is reported.
+        // Collected before errors are searched, so that the first in order is reported.
         let of_scans: Vec<_> = self.scan_indices.par_iter().map_init(new_state, of_scan).collect();
         of_scans.into_iter().collect()
     }

@@ -7,10 +7,10 @@ use url::Url;
 
 use crate::RemoteError;
 
-/// What objects are reached by.
+/// Way to reach objects.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Scheme {
-    /// `s3://`: buckets of Amazon S3, and of whatever speaks its protocol.
+    /// `s3://`: buckets of Amazon S3, and of servers that speak its protocol.
     S3,
     /// `gs://`: buckets of Google Cloud Storage.
     Gs,
@@ -73,12 +73,12 @@ impl Address {
         Ok(Self { url, path, scheme })
     }
 
-    /// What it is reached by.
+    /// Scheme of the address.
     pub fn scheme(&self) -> Scheme {
         self.scheme
     }
 
-    /// The bucket; of servers their name.
+    /// The bucket, or the name of the server.
     pub fn host(&self) -> &str {
         self.url.host_str().unwrap_or_default()
     }
@@ -88,14 +88,14 @@ impl Address {
         &self.path
     }
 
-    /// The same server without a path, with the query of the link if it has one.
+    /// URL of the server without a path, with the query of the link if it has one.
     pub(crate) fn server(&self) -> Url {
         let mut url = self.url.clone();
         url.set_path("");
         url
     }
 
-    /// Whether it is served without encryption.
+    /// Whether it is reached without encryption.
     pub fn is_plain(&self) -> bool {
         self.url.scheme() == "http"
     }

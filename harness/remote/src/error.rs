@@ -1,4 +1,4 @@
-//! What can go wrong between here and an object store.
+//! Errors between this machine and an object store.
 
 use std::error::Error;
 use std::io;
@@ -7,32 +7,32 @@ use std::path::{Path, PathBuf};
 /// Answers of servers are quoted up to this many characters.
 const LONGEST_REASON: usize = 200;
 
-/// What is wrong, with the address, and the way out where there is one. Addresses are shown without their queries, which may
-/// be secret.
+/// Error with the address, and with the way out where there is one. Addresses are shown without their queries, which may be
+/// secret.
 #[derive(Debug, thiserror::Error)]
 pub enum RemoteError {
-    /// It is no address that objects can be fetched from.
+    /// The text is no address to fetch from.
     #[error("{address:?} is no address to fetch from: {problem}")]
     Address {
         /// As it was given.
         address: String,
-        /// What is wrong with it.
+        /// The problem with it, as the end of the sentence.
         problem: String,
     },
     /// The server has no such object.
     #[error("nothing is at {url}{remedy}")]
     Nothing {
-        /// Where.
+        /// Its address.
         url: String,
-        /// What else to try, as the end of the sentence.
+        /// Another thing to try, as the end of the sentence.
         remedy: &'static str,
     },
-    /// The server wants to know who asks, or refuses whoever asks.
+    /// The server wants credentials, or refuses those that it got.
     #[error("{url} may not be read ({reason}); {remedy}")]
     Refused {
-        /// Where.
+        /// Its address.
         url: String,
-        /// What the server says.
+        /// Reason that the server gives.
         reason: String,
         /// How to be let in.
         remedy: &'static str,
@@ -42,36 +42,36 @@ pub enum RemoteError {
         "cannot fetch {url}: {reason}; what has arrived is kept, and the same command goes on from there"
     )]
     Unreachable {
-        /// Where.
+        /// Its address.
         url: String,
-        /// What happened.
+        /// Reason why it failed.
         reason: String,
     },
-    /// The object is another one than when it was listed.
+    /// The object has changed since it was listed.
     #[error(
         "{url} changed while it was fetched: {expected} were expected, {found} found; run the same command again"
     )]
     Changed {
-        /// Where.
+        /// Its address.
         url: String,
-        /// What it was.
+        /// The object as it was listed.
         expected: String,
-        /// What it is now.
+        /// The object as it is now.
         found: String,
     },
-    /// It arrived, and is not what it should be.
+    /// An object arrived with the wrong checksum.
     #[error(
         "{url} has the wrong checksum: SHA-256 {expected} was expected ({stated}), {found} found; it was thrown away. \
          Fetch it again; if the sum stays wrong, ask whoever publishes it"
     )]
     Checksum {
-        /// Where.
+        /// Its address.
         url: String,
-        /// What it should be.
+        /// The checksum that it should have.
         expected: String,
-        /// Who says so.
+        /// Where that checksum is stated.
         stated: String,
-        /// What it is.
+        /// The checksum that it has.
         found: String,
     },
     /// A file of checksums that cannot be read.
@@ -90,7 +90,7 @@ pub enum RemoteError {
         free = in_bytes(*.n_free_bytes), needed = in_bytes(*.n_needed_bytes)
     )]
     NoRoom {
-        /// Where it should go.
+        /// The folder that the files should go to.
         folder: PathBuf,
         /// How much has to arrive, in bytes.
         n_needed_bytes: u64,
@@ -99,7 +99,7 @@ pub enum RemoteError {
         /// The option that chooses a folder.
         option: &'static str,
     },
-    /// The disk does not take it.
+    /// A file or folder cannot be written.
     #[error(
         "cannot write {path:?}: {source}; what has arrived is kept, and the same command goes on from there"
     )]
@@ -128,12 +128,12 @@ pub enum RemoteError {
         path: PathBuf,
         /// Its size in bytes.
         n_archive_bytes: u64,
-        /// That of its files.
+        /// The size of its files in bytes.
         n_bytes: u64,
-        /// The most that is taken.
+        /// The most that its files may have, in bytes.
         n_most_bytes: u64,
     },
-    /// The user asked for an end.
+    /// The user interrupted the work.
     #[error("interrupted after {n_done} of {n_files} files; the same command goes on from there")]
     Interrupted {
         /// How many files are whole.
@@ -149,13 +149,13 @@ impl RemoteError {
         Self::Write { path: path.to_path_buf(), source }
     }
 
-    /// Nothing says who asks for what is at `url`.
+    /// The environment has no credentials for `url`.
     pub(crate) fn without_credentials(url: &str) -> Self {
         let reason = "there are no credentials in the environment".to_owned();
         Self::Refused { url: url.to_owned(), reason, remedy: HOW_TO_SIGN }
     }
 
-    /// What `error` of the store means for the object that is shown as `url`.
+    /// Error for `error` of the store about the object that is shown as `url`.
     pub(crate) fn of_store(url: &str, error: &object_store::Error) -> Self {
         let url = url.to_owned();
         let reason = innermost(error);
@@ -178,12 +178,12 @@ impl RemoteError {
     }
 }
 
-/// What lets a program into a bucket.
+/// How to get access to a bucket.
 const HOW_TO_SIGN: &str = "give credentials by AWS_ACCESS_KEY_ID, AWS_SECRET_ACCESS_KEY and AWS_REGION (s3) or \
                            GOOGLE_APPLICATION_CREDENTIALS (gs); for a bucket that is open to everybody set \
                            AWS_SKIP_SIGNATURE or GOOGLE_SKIP_SIGNATURE to true";
 
-/// What the last of the causes says, on one line.
+/// Message of the innermost cause, on one line.
 fn innermost(error: &dyn Error) -> String {
     let mut last: &dyn Error = error;
     while let Some(source) = last.source() {

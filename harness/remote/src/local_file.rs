@@ -30,7 +30,7 @@ pub(crate) fn open_to_add(path: &Path) -> io::Result<File> {
     opened(path, OpenOptions::new().append(true).create(true), Links::Refused)
 }
 
-/// Creates the file at `path`. What is there goes; what a link leads to stays as it is.
+/// Creates the file at `path` in place of a file or a link that is there; the target of the link stays as it is.
 pub(crate) fn create(path: &Path) -> io::Result<File> {
     match std::fs::symlink_metadata(path) {
         Ok(it) if it.is_file() || it.is_symlink() => std::fs::remove_file(path)?,

@@ -1,14 +1,14 @@
-//! How long a server is waited for.
+//! How long a silent or slow server is waited for.
 //!
-//! A server may send a byte a second, or the same beginning again and again. What counts is what brings an end nearer: an
-//! answer, or bytes that were never there before. Too little of that ends the wait, and it is said before.
+//! A server may send a byte a second, or the same beginning again and again. Only answers, and bytes that were never there
+//! before, count as progress. Too little of it ends the wait; the user is told before.
 
 use std::sync::atomic::{AtomicU64, AtomicUsize, Ordering};
 use std::time::{Duration, Instant};
 
-/// Less than so many bytes in a second are no progress.
+/// Fewer bytes in a second are no progress.
 const LEAST_BYTES_PER_S: f64 = 1000.0;
-/// After this part of the time, it is said that there is little progress.
+/// The user is told of little progress after this part of the time.
 const SAID_AFTER: f64 = 1.0 / 6.0;
 
 /// How long too little progress is taken.
@@ -19,13 +19,13 @@ pub struct Patience {
 }
 
 impl Patience {
-    /// So many bytes, or an answer, are enough for another wait.
+    /// This many bytes, or an answer, are enough for another wait.
     fn n_least_bytes(self) -> u64 {
         (LEAST_BYTES_PER_S * self.limit.as_secs_f64()) as u64
     }
 }
 
-/// What has come so far, and what is done here.
+/// Bytes and answers that have come so far, and the number of tasks on this machine.
 #[derive(Debug, Default)]
 pub struct Progress {
     n_bytes: AtomicU64,
@@ -33,7 +33,7 @@ pub struct Progress {
     tasks_here: AtomicUsize,
 }
 
-/// Something that is done on this machine, for as long as this lives.
+/// A task on this machine; it lasts as long as this value.
 #[derive(Debug)]
 pub(crate) struct Busy<'a>(&'a Progress);
 
@@ -61,14 +61,14 @@ impl Drop for Busy<'_> {
     }
 }
 
-/// What a look at the progress comes to.
+/// Result of a look at the progress.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(crate) enum Look {
-    /// It goes on.
+    /// There is progress.
     Well,
-    /// It is slow, which has not been said yet: a sentence.
+    /// Progress is slow, and the user has not been told: a sentence.
     Slow(String),
-    /// It makes no sense to wait: why.
+    /// The wait is over: the reason.
     Over(String),
 }
 

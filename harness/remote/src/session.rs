@@ -20,17 +20,17 @@ use crate::store::{RemoteFile, Store};
 use crate::sums::{SUMS_FILE, Sums, read_sums, sums_text};
 use crate::transfer::{ExpectedSum, Freshness, Transfer, is_there, n_bytes_kept};
 
-/// So many files arrive at a time.
+/// This many files arrive at a time.
 const N_AT_A_TIME: usize = 16;
 /// How often to look whether the user asks for an end.
 const GLANCE: Duration = Duration::from_millis(50);
 
-/// What becomes of checksums.
+/// How checksums are used.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum SumPolicy {
-    /// Those that the server states are checked.
+    /// Checks files against the checksums that the server states.
     Check,
-    /// So are those of the `SHA256SUMS` in the folder, and those of all files are written there.
+    /// Checks them also against the `SHA256SUMS` in the folder, and writes the checksums of all files there.
     CheckAndKeep,
 }
 
@@ -40,7 +40,7 @@ pub struct FetchPlan<'a> {
     pub into: &'a Path,
     /// When a file that is there need not be fetched.
     pub freshness: Freshness,
-    /// What becomes of checksums.
+    /// How checksums are used.
     pub sums: SumPolicy,
     /// The option of the program that chooses the folder, for errors.
     pub folder_option: &'static str,
@@ -50,10 +50,10 @@ pub struct FetchPlan<'a> {
     pub on_slow: OnSlow<'a>,
 }
 
-/// What is missing of some files.
+/// Files that are missing in a folder.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct Missing {
-    /// Files.
+    /// Number of files.
     pub n_files: usize,
     /// Bytes that have yet to arrive.
     pub n_bytes: u64,
@@ -61,14 +61,14 @@ pub struct Missing {
 
 /// A conversation with stores.
 pub struct Session<'a> {
-    // Nothing but None while it is dropped.
+    // Invariant: `None` only while it is dropped.
     runtime: Option<Runtime>,
     interrupted: &'a AtomicBool,
     patience: Patience,
 }
 
 impl<'a> Session<'a> {
-    /// Begins one, which ends once `interrupted` is set, or when a server takes more than `patience`.
+    /// Begins a session, which ends once `interrupted` is set, or when a server takes more than `patience`.
     ///
     /// # Errors
     ///
@@ -86,7 +86,7 @@ impl<'a> Session<'a> {
     ///
     /// # Errors
     ///
-    /// [`RemoteError::Nothing`] if there are none, and what servers say.
+    /// [`RemoteError::Nothing`] if there are none, and errors of the server.
     pub fn all(&self, store: &Store, on_slow: OnSlow<'_>) -> Result<Vec<RemoteFile>, RemoteError> {
         self.run(store, store.all(), &Going { on_slow, ..Going::default() })
     }
@@ -95,7 +95,7 @@ impl<'a> Session<'a> {
     ///
     /// # Errors
     ///
-    /// What servers say.
+    /// Errors of the server.
     pub fn folders(&self, store: &Store, on_slow: OnSlow<'_>) -> Result<Vec<String>, RemoteError> {
         self.run(store, store.folders(), &Going { on_slow, ..Going::default() })
     }
@@ -104,7 +104,7 @@ impl<'a> Session<'a> {
     ///
     /// # Errors
     ///
-    /// [`RemoteError::Nothing`] if one is not there, and what servers say.
+    /// [`RemoteError::Nothing`] if one is not there, and errors of the server.
     pub fn named(
         &self,
         store: &Store,
@@ -118,8 +118,7 @@ impl<'a> Session<'a> {
     ///
     /// # Errors
     ///
-    /// [`RemoteError::NoRoom`] before anything arrives; the first thing that goes wrong, after which what has arrived is
-    /// kept.
+    /// [`RemoteError::NoRoom`] before anything arrives; otherwise the first error. The bytes that have arrived are kept.
     pub fn fetch(
         &self,
         store: &Store,
@@ -140,13 +139,13 @@ impl<'a> Session<'a> {
         let fetched = self.run(store, transfers.try_collect::<()>(), &going);
         let found = found.into_inner().unwrap_or_else(PoisonError::into_inner);
         if plan.sums == SumPolicy::CheckAndKeep && found != known {
-            // Also of what has arrived before something went wrong.
+            // Also the checksums of files that arrived before an error.
             write_sums(plan.into, &found)?;
         }
         fetched
     }
 
-    /// Does `work` with `store`, as long as that gets on.
+    /// Runs `work` with `store`, as long as there is progress.
     fn run<T>(
         &self,
         store: &Store,
@@ -184,16 +183,16 @@ impl<'a> Session<'a> {
 impl Drop for Session<'_> {
     fn drop(&mut self) {
         if let Some(runtime) = self.runtime.take() {
-            // A checksum of a large file would be waited for.
+            // A plain drop would wait for the checksum of a large file.
             runtime.shutdown_background();
         }
     }
 }
 
-/// Told of a server that is slow, in a sentence.
+/// Called with a sentence about a slow server.
 pub type OnSlow<'a> = &'a dyn Fn(&str);
 
-/// How far work is, and who is told that it is slow.
+/// Files that are done, of how many, and the callback for slow servers.
 struct Going<'a> {
     n_done: AtomicUsize,
     n_files: usize,
@@ -206,11 +205,11 @@ impl Default for Going<'_> {
     }
 }
 
-/// What is known while files arrive.
+/// State that is shared while files arrive.
 struct SoFar<'a> {
-    /// Checksums from before.
+    /// Checksums from earlier runs.
     known: &'a Sums,
-    /// These, and those of the files that are done.
+    /// Those of `known`, and of the files that are done.
     found: &'a Mutex<Sums>,
     n_done: &'a AtomicUsize,
 }
@@ -231,7 +230,7 @@ async fn fetch_one(
     Ok(())
 }
 
-/// What of `files` is not in `folder` yet.
+/// Files, and bytes of them, that are missing in `folder`.
 pub fn missing(store: &Store, files: &[RemoteFile], folder: &Path, freshness: Freshness) -> Missing {
     let mut missing = Missing::default();
     for file in files {
@@ -244,8 +243,8 @@ pub fn missing(store: &Store, files: &[RemoteFile], folder: &Path, freshness: Fr
     missing
 }
 
-/// Removes what is in `folder` of a cache, and is none of `files`: it was removed where it came from. What is hidden
-/// stays, as it may be on its way.
+/// Removes files in `folder` of a cache that are none of `files`: the server has them no more. Hidden files stay, as they
+/// may be on their way.
 ///
 /// # Errors
 ///
@@ -267,7 +266,7 @@ pub fn prune(folder: &Path, files: &[RemoteFile]) -> Result<(), RemoteError> {
     Ok(())
 }
 
-/// What has to be done for `file`; nothing if it is there, and its checksum is known or does not matter.
+/// The transfer that `file` needs; `None` if it is there, and its checksum is known or does not matter.
 fn transfer_of<'a>(
     store: &'a Store,
     file: &'a RemoteFile,

@@ -1,17 +1,17 @@
-//! How much a disk takes.
+//! Free space on the disk of a folder.
 
 use std::path::Path;
 
 use crate::RemoteError;
 
-/// What is left free at the end, in bytes.
+/// Bytes that stay free at the end.
 const RESERVE_BYTES: u64 = 64 << 20;
 
 /// Makes sure that `n_bytes` more fit into `folder`, which need not be there yet; `option` chooses another one.
 ///
 /// # Errors
 ///
-/// [`RemoteError::NoRoom`]. Where the system does not say, everything fits.
+/// [`RemoteError::NoRoom`]. Where the system does not tell the free space, everything fits.
 pub fn check_space(folder: &Path, n_bytes: u64, option: &'static str) -> Result<(), RemoteError> {
     match free_bytes(folder) {
         Some(n_free_bytes) if n_bytes > 0 && n_bytes.saturating_add(RESERVE_BYTES) > n_free_bytes => {
@@ -31,7 +31,7 @@ pub fn free_bytes(folder: &Path) -> Option<u64> {
     Some(of_disk.f_bavail.saturating_mul(of_disk.f_frsize))
 }
 
-/// How many bytes fit into a folder: not known here.
+/// Bytes that fit into a folder: not known on this system.
 #[cfg(not(unix))]
 pub fn free_bytes(_: &Path) -> Option<u64> {
     None

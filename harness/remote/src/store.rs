@@ -1,4 +1,4 @@
-//! From an address to the objects below it.
+//! Access to the objects below an address.
 
 use std::sync::Arc;
 use std::time::{Duration, SystemTime};
@@ -18,19 +18,19 @@ use crate::address::{Address, Scheme};
 use crate::patience::Progress;
 use crate::sums::{SUMS_FILE, Sums, parse_sums};
 
-/// A server that does not take a connection so long is not there.
+/// A server that takes longer to connect is not there.
 const CONNECT_TIMEOUT: Duration = Duration::from_secs(10);
-/// A server that sends nothing for so long is gone.
+/// A server that sends nothing for longer is gone.
 const READ_TIMEOUT: Duration = Duration::from_mins(1);
-/// Requests that fail for a moment are made again so often, within so much time.
+/// Requests that fail for a moment are repeated this often, within this time.
 const N_RETRIES: usize = 5;
 const RETRY_TIMEOUT: Duration = Duration::from_secs(90);
 /// A file of checksums is larger than this by mistake only.
 const LONGEST_SUMS_BYTES: u64 = 256 << 20;
-/// So many questions are asked of a server at a time.
+/// This many requests are made to a server at a time.
 const N_AT_A_TIME: usize = 16;
 
-/// What of the environment says who asks, or that nobody is asked who it is.
+/// Variables of the environment with credentials, or with the wish to sign nothing.
 const S3_CREDENTIALS: [&str; 5] = [
     "AWS_ACCESS_KEY_ID",
     "AWS_SKIP_SIGNATURE",
@@ -46,10 +46,10 @@ const GS_CREDENTIALS: [&str; 5] = [
     "GOOGLE_SKIP_SIGNATURE",
 ];
 
-/// How a bucket is reached other than the environment says.
+/// Access to a bucket beyond the settings of the environment.
 #[derive(Debug, Clone, Default)]
 pub struct Access {
-    /// It is open to everybody: nothing is signed.
+    /// The bucket is open to everybody: nothing is signed.
     pub is_public: bool,
     /// The region of the bucket.
     pub region: Option<String>,
@@ -85,20 +85,20 @@ pub struct Store {
 }
 
 impl Store {
-    /// Reaches `address` with the credentials of the environment: `AWS_…` and `GOOGLE_…`, as their own tools have them.
+    /// Opens `address` with the credentials of the environment: `AWS_…` and `GOOGLE_…`, as their own tools have them.
     ///
     /// # Errors
     ///
     /// [`RemoteError::Refused`] if there are none; [`RemoteError::Address`] if the environment contradicts itself.
     pub fn open(address: &Address, access: &Access) -> Result<Self, RemoteError> {
-        // Whoever came first has chosen the same: there is only one.
+        // An earlier caller has installed the same provider: there is only one.
         let _ = rustls::crypto::ring::default_provider().install_default();
         let names = match address.scheme() {
             Scheme::S3 => &S3_CREDENTIALS[..],
             Scheme::Gs => &GS_CREDENTIALS,
             Scheme::Http => &[],
         };
-        // Without them, servers of the cloud's own machines would be asked, which there are none of elsewhere.
+        // Without credentials, it would ask metadata servers of the cloud's own machines, which do not exist elsewhere.
         if !access.is_public && !names.is_empty() && names.iter().all(|it| std::env::var_os(it).is_none()) {
             return Err(RemoteError::without_credentials(&address.shown()));
         }
@@ -107,7 +107,7 @@ impl Store {
         Ok(Self { objects, address: address.clone(), progress: Progress::default() })
     }
 
-    /// What it was opened with.
+    /// The address that it was opened with.
     pub fn address(&self) -> &Address {
         &self.address
     }
@@ -117,7 +117,7 @@ impl Store {
         self.address.shown_at(location)
     }
 
-    /// An object from its byte `from` on, if it is still the listed one.
+    /// Gets an object from its byte `from` on, if it is still the listed one.
     pub(crate) async fn get_from(
         &self,
         file: &RemoteFile,
@@ -170,8 +170,8 @@ impl Store {
         Ok(names)
     }
 
-    /// The files at `names` below its address, sorted by name; a name that ends in `/` is that of a folder, of which all are
-    /// taken.
+    /// The files at `names` below its address, sorted by name; a name that ends in `/` stands for all files below that
+    /// folder.
     pub(crate) async fn named(&self, names: &[String]) -> Result<Vec<RemoteFile>, RemoteError> {
         let of_name = |name: &String| {
             let name = name.clone();
@@ -246,7 +246,7 @@ impl Store {
         self.objects.list(Some(path)).inspect_ok(|_| self.progress.answer()).try_collect().await
     }
 
-    /// The files that the checksums of the folder `path` name, and the file of the checksums.
+    /// The files that the checksums of the folder `path` name, and the file of checksums itself.
     async fn of_sums(&self, path: &Path, name: &str, sums: &Sums) -> Result<Vec<RemoteFile>, RemoteError> {
         let names = sums.keys().map(String::as_str).chain([SUMS_FILE]);
         let of_name = |below: &str| {
@@ -273,7 +273,7 @@ impl Store {
         let url = self.shown(&path);
         let result = match self.objects.get(&path).await {
             Ok(result) => result,
-            // Buckets that may not be listed also refuse what is not there.
+            // Buckets that may not be listed also refuse objects that are not there.
             Err(
                 object_store::Error::NotFound { .. }
                 | object_store::Error::PermissionDenied { .. }
@@ -292,7 +292,7 @@ impl Store {
         parse_sums(&url, &String::from_utf8_lossy(&bytes)).map(Some)
     }
 
-    /// The object at `path`; where there is none, the error ends in `remedy`.
+    /// The object at `path`; if there is none, the error ends in `remedy`.
     async fn head(&self, path: &Path, remedy: &'static str) -> Result<RemoteFile, RemoteError> {
         let name = path.filename().unwrap_or_default().to_owned();
         let error = match self.objects.head(path).await {
@@ -302,7 +302,7 @@ impl Store {
             }
             Err(error) => error,
         };
-        // Links may be signed for reading alone: its first byte says how large it is, too.
+        // Links may be signed for reading alone: the answer to a request for the first byte tells the size, too.
         if self.address.scheme() == Scheme::Http && !matches!(error, object_store::Error::NotFound { .. }) {
             let first = GetOptions { range: Some(GetRange::Bounded(0..1)), ..GetOptions::default() };
             if let Ok(result) = self.objects.get_opts(path, first).await {
@@ -322,7 +322,7 @@ fn joined(name: &str, below: &str) -> String {
 
 fn remote_file(name: String, meta: ObjectMeta) -> RemoteFile {
     let modified = SystemTime::from(meta.last_modified);
-    // What a server does not say is the beginning of time.
+    // A server that states no time gives the beginning of the epoch.
     let modified = (modified > SystemTime::UNIX_EPOCH).then_some(modified);
     let e_tag = meta.e_tag.filter(|it| !it.is_empty());
     RemoteFile { name, n_bytes: meta.size, modified, sha256: None, location: meta.location, e_tag }

@@ -16,7 +16,7 @@ pub const SUMS_FILE: &str = "SHA256SUMS";
 /// SHA-256 in lower-case hexadecimal, by the path of the file with `/` between folders.
 pub type Sums = BTreeMap<String, String>;
 
-/// Reads the lines of `text`, which errors call `path`.
+/// Reads the lines of `text`; errors name it `path`.
 ///
 /// # Errors
 ///
@@ -70,7 +70,7 @@ pub(crate) fn sha256_of(path: &Path) -> io::Result<String> {
     }
 }
 
-/// SHA-256 of what comes piece by piece.
+/// SHA-256 of bytes that come piece by piece.
 #[derive(Debug, Default)]
 pub(crate) struct RunningSum(Sha256);
 
@@ -79,7 +79,7 @@ impl RunningSum {
         self.0.update(bytes);
     }
 
-    /// In lower-case hexadecimal.
+    /// The checksum in lower-case hexadecimal.
     pub(crate) fn finish(self) -> String {
         let digits = self.0.finalize();
         let digits = digits.iter().flat_map(|byte| [byte >> 4, byte & 15]);

@@ -1,8 +1,8 @@
-//! One object becomes one file.
+//! Transfer of one object into one file.
 //!
-//! What arrives goes to `.NAME.partial-ID` beside the file, where the ID stands for the object as it was listed. The next
-//! attempt goes on at its end, also after an interruption, but never with another object. The file gets its name once its
-//! size is right, its checksum, if one is known, and it is on the disk.
+//! Bytes that arrive go to `.NAME.partial-ID` beside the file, where the ID stands for the object as it was listed. The next
+//! attempt goes on at its end, also after an interruption, but never with another object. The file gets its name once it is
+//! on the disk, its size is right, and so is its checksum if one is known.
 
 use std::fs::{File, TryLockError};
 use std::io::{self, Write as _};
@@ -16,39 +16,39 @@ use crate::local_file::open_to_add;
 use crate::store::{RemoteFile, Store};
 use crate::sums::{RunningSum, sha256_of};
 
-/// An attempt that brings nothing may be followed by so many more.
+/// This many more attempts follow one that brings nothing.
 const N_ATTEMPTS: u32 = 4;
 /// The first pause between two attempts; each is twice as long as the one before.
 const FIRST_PAUSE: Duration = Duration::from_millis(200);
-/// What is said of a server that does not send files from the middle on.
+/// Parts of errors about servers that do not send files from the middle on.
 const WITHOUT_RANGES: [&str; 3] = ["Range request not supported", "non-partial response", "416 "];
-/// How often to look whether another program that fetches the same is done.
+/// How often to look whether another program that fetches the same object is done.
 const PATIENCE: Duration = Duration::from_millis(200);
 
 /// When a file that is there is taken to be the object.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Freshness {
-    /// It has its size.
+    /// It has the size of the object.
     Size,
-    /// It has its size, and its time, as far as the server says one.
+    /// It has the size of the object, and its time if the server states one.
     SizeAndTime,
 }
 
-/// A checksum that a file must have, and who says so.
+/// A checksum that a file must have, and where it is stated.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(crate) struct ExpectedSum {
     pub sha256: String,
     pub stated: String,
 }
 
-/// What is to become of one object.
+/// A plan to fetch one object into a file.
 pub(crate) struct Transfer<'a> {
     pub store: &'a Store,
     pub file: &'a RemoteFile,
     pub path: PathBuf,
     pub freshness: Freshness,
     pub expected: Option<ExpectedSum>,
-    /// Whether its checksum is to be found out.
+    /// Whether its checksum is computed in any case.
     pub is_summed: bool,
     /// Told of every byte that arrives and was never there before.
     pub on_bytes: &'a (dyn Fn(u64) + Sync),
@@ -69,12 +69,12 @@ fn seconds_of(time: SystemTime) -> Option<u64> {
     time.duration_since(SystemTime::UNIX_EPOCH).ok().map(|it| it.as_secs())
 }
 
-/// How many bytes of `file` have arrived before, without being whole.
+/// How many bytes of `file` have arrived in its partial file.
 pub(crate) fn n_bytes_kept(store: &Store, file: &RemoteFile, path: &Path) -> u64 {
     std::fs::metadata(partial_path(store, file, path)).map_or(0, |it| it.len()).min(file.n_bytes)
 }
 
-/// The file that holds what has arrived of `file`.
+/// The partial file of `file`.
 fn partial_path(store: &Store, file: &RemoteFile, path: &Path) -> PathBuf {
     let mut id = RunningSum::default();
     let modified = file.modified.and_then(seconds_of).unwrap_or(0);
@@ -89,14 +89,14 @@ fn beginning_of_partials(path: &Path) -> String {
 }
 
 impl Transfer<'_> {
-    /// Brings the file about, and returns its checksum if that was asked for.
+    /// Fetches the file, and returns its checksum if it was computed.
     pub(crate) async fn run(&self) -> Result<Option<String>, RemoteError> {
         let folder = self.path.parent().unwrap_or(Path::new("."));
         std::fs::create_dir_all(folder).map_err(|error| RemoteError::write(folder, error))?;
         let partial = partial_path(self.store, self.file, &self.path);
         let mut lock = self.locked(&partial).await?;
         if is_there(self.file, &self.path, self.freshness) {
-            // Another program has brought it meanwhile; an empty file may be all that we have made.
+            // Another program has fetched it meanwhile; our partial file may be empty.
             remove_if_empty(&partial);
             return self.sum_of(self.path.clone()).await;
         }
@@ -106,7 +106,7 @@ impl Transfer<'_> {
         Ok(sum)
     }
 
-    /// The partial file, once no other program writes to it.
+    /// Opens the partial file and locks it, once no other program writes to it.
     async fn locked(&self, partial: &Path) -> Result<File, RemoteError> {
         loop {
             let file = open_to_add(partial);
@@ -122,7 +122,7 @@ impl Transfer<'_> {
         }
     }
 
-    /// What has arrived of the object as it was at another time is of no use.
+    /// Removes the bytes of older versions of the object, which are of no use.
     fn remove_stale_partials(&self, partial: &Path) {
         let begin = beginning_of_partials(&self.path);
         let folder = self.path.parent().into_iter().filter_map(|it| std::fs::read_dir(it).ok());
@@ -133,11 +133,11 @@ impl Transfer<'_> {
         }
     }
 
-    /// Appends what is missing to `partial`, in as many attempts as get further than all before, and a few more.
+    /// Appends the missing bytes to `partial`, with as many attempts as get further than all before, and a few more.
     async fn fill(&self, file: &mut File, partial: &Path) -> Result<(), RemoteError> {
         let write = |error| RemoteError::write(partial, error);
         let (mut n_in_vain, mut pause) = (0, FIRST_PAUSE);
-        // A longer one is none of the object.
+        // A longer file is none of the object.
         let n_kept = file.metadata().map_err(write)?.len();
         let mut n_most = if n_kept > self.file.n_bytes { 0 } else { n_kept };
         let mut begins_anew = false;
@@ -172,7 +172,7 @@ impl Transfer<'_> {
         }
     }
 
-    /// Fetches what is behind the `n_kept` bytes that are there; `n_most` is how far any attempt got.
+    /// Fetches the bytes behind the `n_kept` that are there; `n_most` is how far any attempt got.
     async fn attempt(
         &self,
         file: &mut File,
@@ -217,14 +217,14 @@ impl Transfer<'_> {
         Err(RemoteError::Unreachable { url: url(), reason })
     }
 
-    /// Checks what has arrived, and gives it its name.
+    /// Checks the partial file, and gives it its name.
     async fn finish(&self, file: File, partial: PathBuf) -> Result<Option<String>, RemoteError> {
         let sum = self.sum_of(partial.clone()).await?;
         let (modified, path) = (self.file.modified, self.path.clone());
         let _busy = self.store.progress.busy();
         let named = in_background(move || {
             if let Some(modified) = modified {
-                // Its time tells the next run that it is still the object; without it, it is fetched again.
+                // The next run recognises the object by this time; without it, the file would be fetched again.
                 let _ = file.set_modified(modified);
             }
             file.sync_all()?;
@@ -234,7 +234,7 @@ impl Transfer<'_> {
         Ok(sum)
     }
 
-    /// The checksum of the file at `path`, if it matters; a wrong one is an error, and the file is removed.
+    /// The checksum of the file at `path`, if it is wanted; if it is wrong, the file is removed, and that is an error.
     async fn sum_of(&self, path: PathBuf) -> Result<Option<String>, RemoteError> {
         if self.expected.is_none() && !self.is_summed {
             return Ok(None);
@@ -253,7 +253,7 @@ impl Transfer<'_> {
     }
 }
 
-/// Does what keeps the disk or a processor busy, while other files arrive.
+/// Runs `work`, which keeps the disk or a processor busy, while other files arrive.
 async fn in_background<T: Send + 'static>(
     work: impl FnOnce() -> io::Result<T> + Send + 'static,
 ) -> io::Result<T> {

@@ -1,4 +1,4 @@
-//! Archives that were fetched, as files.
+//! Unpacks archives that were fetched.
 
 use std::collections::BTreeSet;
 use std::fs::File;
@@ -14,10 +14,10 @@ use crate::session::write_sums;
 use crate::space::check_space;
 use crate::sums::{RunningSum, SUMS_FILE, read_sums, sha256_of};
 
-/// What an archive held.
+/// Files that were taken from an archive.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct Unpacked {
-    /// Files that were wanted.
+    /// Number of files that were wanted.
     pub n_files: usize,
     /// Their size in bytes.
     pub n_bytes: u64,
@@ -31,18 +31,18 @@ pub struct UnpackPlan<'a> {
     pub wanted: &'a [String],
     /// The option of the program that chooses the folder, for errors.
     pub folder_option: &'static str,
-    /// The files may have so many bytes; without it, so many as archives of scans and labels do.
+    /// The most bytes that the files may have; without it, as many as archives of scans and labels usually have.
     pub n_most_bytes: Option<u64>,
     /// Ends the work once it is set.
     pub interrupted: &'a AtomicBool,
 }
 
-/// Archives of labels of points are a sixtieth of what is in them, and those of scans a half.
+/// Most bytes of files per byte of archive: archives of labels of points are a sixtieth of their files, those of scans half.
 const MAX_GROWTH: u64 = 200;
-/// So many bytes are taken of an archive of any size.
+/// Files of this many bytes together are taken of an archive of any size.
 const ALWAYS_TAKEN_BYTES: u64 = 1 << 26;
 
-/// Whether `archive` has been unpacked and removed: what says so has its size.
+/// Whether `archive` has been unpacked and removed: its record states its size.
 pub fn is_unpacked(archive: &Path, n_bytes: u64) -> bool {
     let text = read_text(&record_of(archive)).unwrap_or_default();
     text.split_whitespace().nth(1).and_then(|it| it.parse().ok()) == Some(n_bytes)
@@ -96,15 +96,15 @@ pub fn unpack(archive: &Path, plan: &UnpackPlan<'_>) -> Result<Unpacked, RemoteE
 /// A file in an archive.
 struct Member {
     index: usize,
-    /// With `/` between folders; leads to below the folder that it is unpacked into.
+    /// Path with `/` between folders; leads to below the folder that it is unpacked into.
     name: String,
     n_bytes: u64,
 }
 
-/// The bytes of the archive that a member takes, and its name.
+/// Start and end of the bytes of the archive that a member takes, and its name.
 type Extent = (u64, u64, String);
 
-/// Fails if `members` are far larger than an archive of `n_archive_bytes` should have, or than `n_most_bytes`.
+/// Fails if `members` are far larger than those of an archive of `n_archive_bytes` should be, or than `n_most_bytes`.
 fn check_growth(
     archive: &Path,
     members: &[Member],
@@ -130,7 +130,7 @@ fn check_apart(mut extents: Vec<Extent>) -> Result<(), String> {
     }
 }
 
-/// Fails if `name` cannot stand in a list of files, a name in each line.
+/// Fails if `name` cannot stand in a list of files with one name on each line.
 fn check_name(name: &str) -> Result<(), String> {
     match name.chars().find(|it| it.is_control() || matches!(it, '\u{2028}' | '\u{2029}')) {
         Some(_) => Err(format!("the name {} has a control character", name.escape_debug())),

@@ -1,4 +1,4 @@
-//! Ground truth: what a person, or the simulator, labelled.
+//! Ground truth: the labels of a person, or of a simulator.
 //!
 //! It lives here and not beside the detectors, so that no detector can look at it.
 
@@ -24,14 +24,14 @@ pub struct LabeledScan {
 }
 
 impl LabeledScan {
-    /// A scan of which everything is labelled, all round.
+    /// A scan that is labelled completely, all round.
     pub fn everywhere(id: ScanId, cloud: PointCloud, annotations: Vec<Annotation>) -> Self {
         let point_regions = vec![PointRegion::Labeled; cloud.len()];
         let labeled_area = LabeledArea::Everywhere;
         Self { id, cloud, annotations, point_regions, labeled_area, points_left_out: Vec::new() }
     }
 
-    /// Whether the labels say something about the scan, if only that nothing stands there.
+    /// Whether the labels say something about the scan, if only that no object is there.
     pub fn is_labeled(&self) -> bool {
         self.labeled_area != LabeledArea::AsPoints
             || !self.annotations.is_empty()
@@ -39,7 +39,7 @@ impl LabeledScan {
     }
 }
 
-/// Names a scan within its data set.
+/// Name of a scan within its data set.
 #[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct ScanId {
     /// The drive it belongs to, such as `0000`.
@@ -57,7 +57,7 @@ impl std::fmt::Display for ScanId {
 /// One labelled object.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Annotation {
-    /// What it is.
+    /// Its class.
     pub class: AnnotationClass,
     /// The box around the whole object, seen and unseen parts, in the sensor frame. `None` where only points are labelled.
     pub bounding_box: Option<OrientedBox>,
@@ -65,14 +65,14 @@ pub struct Annotation {
     pub point_indices: Vec<u32>,
     /// Number of the object within its drive, the same in all scans that show it.
     pub track: Option<u32>,
-    /// How much of it other things hide from the sensor.
+    /// How much of it is hidden from the sensor by other things.
     pub occlusion: Option<Occlusion>,
     /// Share of it outside the labelled region, 0 to 1.
     pub truncation: Option<f32>,
 }
 
 impl Annotation {
-    /// One of `class`, of which no more is known.
+    /// An annotation of `class` without any other values.
     pub fn of(class: AnnotationClass) -> Self {
         Self {
             class,
@@ -84,7 +84,7 @@ impl Annotation {
         }
     }
 
-    /// What it is called on screens, such as `car 7`.
+    /// Its name on screens, such as `car 7`.
     pub fn label(&self) -> String {
         match self.track {
             Some(track) => format!("{} {track}", self.class.name()),
@@ -92,10 +92,10 @@ impl Annotation {
         }
     }
 
-    /// Where it stands, in metres: the centre of its box; without one the centroid of its points in `cloud`. `None` if it
-    /// has neither.
+    /// Its position in metres: the centre of its box; without one the centroid of its points in `cloud`. `None` if it has
+    /// neither.
     ///
-    /// This one position is used wherever an annotation has to be somewhere: ranges, slices, the criterion *centre*, pages.
+    /// Everything that needs one position of an annotation uses it: ranges, slices, the criterion *centre*, pages.
     pub fn center_m(&self, cloud: &PointCloud) -> Option<[f32; 3]> {
         if let Some(bounding_box) = &self.bounding_box {
             return Some(bounding_box.center_m);
@@ -129,12 +129,12 @@ pub enum PointRegion {
 }
 
 impl PointRegion {
-    /// The number that stands for it in files of scanbench's own.
+    /// The number that stands for it in scanbench's own files.
     pub fn number(self) -> u8 {
         self as u8
     }
 
-    /// The region of such a number, if there is one.
+    /// The region with this number; `None` if there is none.
     pub fn of_number(number: u8) -> Option<Self> {
         [Self::Labeled, Self::Unscorable, Self::Outside].get(usize::from(number)).copied()
     }
@@ -146,19 +146,19 @@ impl PointRegion {
 pub enum LabeledArea {
     /// All round the sensor.
     Everywhere,
-    /// What a camera sees: a position belongs to it if any height above or below it projects into the image.
+    /// The view of a camera: a position belongs to it if any height above or below it projects into the image.
     CameraImage {
         /// From homogeneous sensor coordinates in metres to homogeneous pixels.
         image_from_sensor: Matrix3x4<f64>,
         /// Width and height of the image in pixels.
         image_size_px: [u32; 2],
     },
-    /// What lies no farther than this to either side of forward, in degrees.
+    /// A sector: positions no farther than this to either side of forward, in degrees.
     Ahead {
         /// 0 to 180.
         to_either_side_deg: f32,
     },
-    /// Only said point by point, by [`LabeledScan::point_regions`]: a position is as what the sensor saw in its direction.
+    /// Given by [`LabeledScan::point_regions`] alone: a position is as what the sensor saw in its direction.
     AsPoints,
 }
 

@@ -16,12 +16,12 @@ pub struct AngularWindow {
 }
 
 impl AngularWindow {
-    /// In which `solids` may be seen from the origin.
+    /// The window in which `solids` may be seen from the origin.
     pub fn of(solids: &[PlacedSolid]) -> Self {
         Self::around(solids.iter().flat_map(|solid| solid.bounds().vertices()))
     }
 
-    /// In which whatever lies between `corners`, at least one, may be seen from the origin.
+    /// The window in which everything between `corners`, at least one, may be seen from the origin.
     pub fn around(corners: impl Iterator<Item = Vector> + Clone) -> Self {
         let n_corners = corners.clone().count() as f32;
         let center = corners.clone().sum::<Vector>() / n_corners;
@@ -45,7 +45,7 @@ impl AngularWindow {
         window
     }
 
-    /// Whether pulses that rise `rise` on each unit of their way may be among them.
+    /// Whether pulses that rise `rise` on each unit of their way may lie in the window.
     pub fn may_meet(&self, rise: f32) -> bool {
         (self.least_rise..=self.greatest_rise).contains(&rise)
     }

@@ -1,4 +1,4 @@
-//! What cars of one body style measure.
+//! Dimensions of cars of one body style.
 
 use std::ops::Range;
 
@@ -6,7 +6,7 @@ use serde::Deserialize;
 
 use super::vehicle_parts::range;
 
-/// What cars of one body style measure. Positions along the length are shares of it from the front.
+/// Dimensions of cars of one body style. Positions along the length are shares of it from the front.
 #[derive(Debug, Clone, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct BodyStyle {
@@ -46,7 +46,7 @@ pub struct BodyStyle {
 }
 
 impl Default for BodyStyle {
-    /// A small car; what is not said of others is as here.
+    /// A small car, whose values stand for those that other styles leave out.
     fn default() -> Self {
         Self {
             percent: 100,

@@ -61,7 +61,7 @@ struct Profiles {
 }
 
 impl Profiles {
-    /// Of a car whose positions along the length, as shares from the front, are at `x`.
+    /// Profiles of a car; `x` gives positions along the length in metres for shares of it from the front.
     fn of(style: &BodyStyle, x: impl Fn(f32) -> f32, [clearance_m, waist_m, height_m]: [f32; 3]) -> Self {
         // The bonnet rises to the foot of the windscreen.
         let body = vec![
@@ -106,7 +106,7 @@ fn rounded(profile_m: &[[f32; 2]], half_width_m: f32, rounding_m: f32) -> Vec<So
     steps[..n_steps].iter().map(|&it| step(it)).collect()
 }
 
-/// The same with an open load bed behind `bed_front_m`, from its floor up to its sides.
+/// A rounded body that ends at `bed_front_m`, and an open load bed behind it, from its floor up to its sides.
 fn with_bed(
     profile_m: &[[f32; 2]],
     bed_front_m: f32,

@@ -122,7 +122,7 @@ mod tests {
         );
     }
 
-    /// A drive of whose entry, `simulated.wet`, these are the last lines.
+    /// The drive `simulated.wet`, whose entry ends with `lines`.
     fn parse(lines: &str) -> Result<StreetDrive, DatasetError> {
         let text = format!(
             "[simulated.wet]\nstreet = \"street-narrow\"\nseed = 1\nn_scans = 1\nturns_per_scan = 1\n\

@@ -1,4 +1,4 @@
-//! What is as large as a vehicle, or lies in pieces of its size, and is none.
+//! Clutter that is as large as a vehicle, or lies in pieces of that size.
 
 use rand::RngExt;
 use rand_chacha::ChaCha8Rng;

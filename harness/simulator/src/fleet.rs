@@ -1,4 +1,4 @@
-//! What vehicles are seen in a place, and how often: files in `fleets/`.
+//! Vehicles of a place and their shares: files in `fleets/`.
 
 use std::sync::LazyLock;
 
@@ -11,15 +11,15 @@ use super::car_shape::car_of_style;
 use super::object_shape::ObjectShape;
 use super::vehicle_shape::{BusStyle, TruckStyle, VanStyle, bus, truck, van};
 
-/// What vehicles are seen in a place, and how often.
+/// Vehicles of a place and their shares.
 #[derive(Debug, Clone, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Fleet {
-    /// How many of a hundred that drive or wait are cars, vans, trucks and buses.
+    /// Cars, vans, trucks and buses among a hundred vehicles that drive or wait.
     driven: [u32; 4],
-    /// The same of what is parked along streets.
+    /// Cars, vans, trucks and buses among a hundred vehicles that are parked along streets.
     parked: [u32; 4],
-    /// How much wider than drawn lanes for parking along kerbs are, in metres.
+    /// Extra width of lanes for parking along kerbs, beyond the drawn width, in metres.
     pub parking_room_m: f32,
     #[serde(default)]
     cars: Vec<BodyStyle>,
@@ -33,13 +33,13 @@ pub struct Fleet {
 
 /// A European town.
 pub static TOWN: LazyLock<Fleet> = LazyLock::new(|| parsed(include_str!("fleets/town.toml")));
-/// Where goods are handled.
+/// A place where goods are handled.
 pub static HAULAGE: LazyLock<Fleet> =
     LazyLock::new(|| parsed(include_str!("fleets/haulage.toml")).filled_up());
 /// A North American town.
 pub static NORTH_AMERICAN: LazyLock<Fleet> =
     LazyLock::new(|| parsed(include_str!("fleets/north_american.toml")).filled_up());
-/// Of many places.
+/// Vehicles of many places.
 pub static VARIED: LazyLock<Fleet> = LazyLock::new(|| parsed(include_str!("fleets/varied.toml")));
 
 fn parsed(text: &str) -> Fleet {
@@ -47,7 +47,7 @@ fn parsed(text: &str) -> Fleet {
 }
 
 impl Fleet {
-    /// The same, where kinds that it says nothing of are those of a European town.
+    /// The fleet with the vehicles of a European town for all kinds that it has none of.
     fn filled_up(self) -> Self {
         fn unless_empty<T: Clone>(own: Vec<T>, of_town: &[T]) -> Vec<T> {
             if own.is_empty() { of_town.to_vec() } else { own }
@@ -62,22 +62,22 @@ impl Fleet {
         }
     }
 
-    /// What drives or waits.
+    /// Draws a vehicle that drives or waits.
     pub fn driven(&self, rng: &mut ChaCha8Rng) -> ObjectShape {
         self.one_of(self.driven, rng)
     }
 
-    /// What is parked along streets.
+    /// Draws a vehicle that is parked along a street.
     pub fn parked(&self, rng: &mut ChaCha8Rng) -> ObjectShape {
         self.one_of(self.parked, rng)
     }
 
-    /// A car.
+    /// Draws a car.
     pub fn car(&self, rng: &mut ChaCha8Rng) -> ObjectShape {
         car_of_style(any(&self.cars, |it| it.percent, rng), rng)
     }
 
-    /// A truck of this height in metres.
+    /// Draws a truck of this height in metres.
     pub fn truck_of_height(&self, height_m: f32, rng: &mut ChaCha8Rng) -> ObjectShape {
         truck(any(&self.trucks, |it| it.percent, rng), Some(height_m), rng)
     }
@@ -92,7 +92,7 @@ impl Fleet {
     }
 }
 
-/// One of `styles`, as often as their shares say. Of a single one nothing is drawn.
+/// Draws one of `styles` by their shares. A single style takes no random number.
 fn any<'a, T>(styles: &'a [T], percent: impl Fn(&T) -> u32, rng: &mut ChaCha8Rng) -> &'a T {
     let [only] = styles else {
         let mut drawn = rng.random_range(0..styles.iter().map(&percent).sum::<u32>());

@@ -1,4 +1,4 @@
-//! What stands on pavements: posts, signs, bins, benches.
+//! Furniture of pavements: posts, signs, bins, benches.
 
 use rand::RngExt;
 use rand_chacha::ChaCha8Rng;

@@ -42,7 +42,7 @@ fn jitter_rad(rng: &mut ChaCha8Rng) -> f32 {
     rng.random_range(-0.08_f32..0.08)
 }
 
-/// A raised bed or a terrace behind a low wall, with what grows on it.
+/// A raised bed or a terrace behind a low wall, with plants.
 fn bed(world: &mut World, spot: &Spot, rng: &mut ChaCha8Rng) {
     let half_m = rng.random_range(0.8_f32..4.5);
     let depth_m = rng.random_range(1.0_f32..5.0);

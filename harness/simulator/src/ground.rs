@@ -21,7 +21,7 @@ pub struct CrossSection {
     pub kerb_height_m: f32,
 }
 
-/// How the land lies beside a road, and with it whatever crosses it there: it falls away, evenly after a round beginning.
+/// How the land beside a road falls away, and with it a road that crosses there: evenly after a round beginning.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Banks {
     /// Distance from the axis at which the land begins to fall, in metres.
@@ -35,9 +35,9 @@ pub struct Banks {
 pub struct Road {
     /// Its middle line.
     pub axis: RoadAxis,
-    /// What it looks like cut across.
+    /// Its cross-section.
     pub section: CrossSection,
-    /// What the land does beside it.
+    /// The land beside it.
     pub banks: Banks,
 }
 
@@ -65,7 +65,7 @@ pub struct GroundHit {
     pub grass_height_m: f32,
 }
 
-/// What a position on the plan belongs to.
+/// The surface at a position on the plan.
 #[derive(Debug, Clone, Copy, PartialEq)]
 enum Surface {
     Road { from_axis_m: f32 },
@@ -74,7 +74,7 @@ enum Surface {
 
 /// How high grass stands, in metres.
 const GRASS_HEIGHT_M: f32 = 0.06;
-/// Length of the patches of grass on pavements along the road, in metres, and what share of patches is grown over.
+/// Length of the patches of grass on pavements along the road, in metres, and the share of patches that are grown over.
 const PATCH_LENGTH_M: f32 = 5.0;
 const GROWN_SHARE: f32 = 0.25;
 /// Where the patches begin and end, as metres beyond the kerb, and how wide a pavement must be to have any.
@@ -245,7 +245,7 @@ impl Ground {
         // The secant through two positions near the crossing: quick because the levels are nearly plane.
         let mut range_m = from_m + last.1 / descent_per_m;
         let farthest_m = max_range_m * 1.5 + 10.0;
-        // Land falls away beside roads: what does not come down to the plane below in time does not at all.
+        // Land falls away beside roads: a ray that does not reach the plane below in time does not reach the land at all.
         if range_m > farthest_m {
             return None;
         }
@@ -271,7 +271,7 @@ impl Ground {
         -ray.dir.dot(normal) / normal.z
     }
 
-    /// The ray is above the road's plan at `road_side_m` and below the raised level beyond it at `raised_side_m`.
+    /// Where the ray meets the kerb: it is over the road at `road_side_m`, and below the raised level at `raised_side_m`.
     fn kerb_hit(
         &self,
         ray: &Ray,

@@ -126,7 +126,7 @@ fn house(world: &mut World, roadside: &Roadside, reach_m: [f32; 2], set_back_m: 
     for (solid, leaves) in climbing_plants(length_m, rng) {
         wall(solid, leaves);
     }
-    // Only where nobody walks.
+    // Only where people do not walk.
     if set_back_m > 2.0 && rng.random_bool(0.08) {
         for solid in scaffold(length_m) {
             wall(solid, Material::METAL);
@@ -150,7 +150,7 @@ fn scaffold(length_m: f32) -> Vec<Solid> {
     solids
 }
 
-/// What stands out from a façade: plinth, downpipe, steps, bay windows, balconies.
+/// Parts that stand out from a façade: plinth, downpipe, steps, bay windows, balconies.
 fn relief(length_m: f32, pattern: &FacadePattern, rng: &mut ChaCha8Rng) -> Vec<Solid> {
     let mut solids = vec![Solid::cylinder([0.15, -0.12, 0.0], [0.15, -0.12, 6.0], 0.06)];
     if rng.random_bool(0.5) {

@@ -52,7 +52,7 @@ pub fn intersection(conditions: &StreetConditions, rng: &mut ChaCha8Rng) -> Worl
 
 fn plans(ego_speed_m_per_s: f32, conditions: &StreetConditions, rng: &mut ChaCha8Rng) -> Plans {
     let mut plan = |road_idx, reach_m| {
-        // The same on both sides, so that the corners are alike.
+        // Both sides have the same parking, so that the corners are alike.
         let parking = Parking::any(0.4, 0.0, rng).widened(conditions.parking_room_m());
         RoadPlan {
             road_idx,

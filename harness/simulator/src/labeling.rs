@@ -1,4 +1,4 @@
-//! From what the pulses met to annotations.
+//! Annotations of the objects that the pulses met.
 
 use parry3d::math::{Pose, Vector};
 use reports::vocabulary::class::Occlusion;
@@ -19,7 +19,7 @@ pub struct VisibleObject<'a> {
     pub object_idx: u32,
     /// Its form during the turn.
     pub shape: &'a ObjectShape,
-    /// Where it is.
+    /// Its pose in the frame of the sensor.
     pub sensor_from_object: Pose,
     /// Its points, ascending.
     pub point_indices: Vec<u32>,
@@ -59,7 +59,7 @@ fn bounding_box(shape: &ObjectShape, sensor_from_object: &Pose) -> OrientedBox {
     }
 }
 
-/// The largest number of firings of a beam that are looked at to estimate an occlusion, about.
+/// About the largest number of firings of a beam that are looked at to estimate an occlusion.
 const MOST_FIRINGS: usize = 60;
 
 /// The share of pulses through the object that ended on other things before they reached it.
@@ -91,7 +91,7 @@ fn occlusion(object: &VisibleObject<'_>, turn: &Turn, sensor: &SensorModel) -> O
     })
 }
 
-/// Where a pulse, were it alone with the object, would reach it.
+/// Range at which a pulse would reach the object if nothing else were there.
 fn enter_m(solids: &[PlacedSolid], end: &PulseEnd) -> Option<f32> {
     let enters_m = solids.iter().filter_map(|solid| solid.crossing(&end.ray)).map(|crossing| crossing.enter);
     enters_m.reduce(f32::min)

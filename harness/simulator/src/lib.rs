@@ -5,8 +5,8 @@
 //! x86-64 machine: every beam of every scan has a random stream of its own, and nothing calls the platform's
 //! mathematics library ([`portable_math`]).
 //!
-//! Simulated is not real. What the simulator leaves out: snow, fog, spray behind wheels, second echoes, and the
-//! vibration of the car. It is dry unless a street is put [in the rain](rain).
+//! Simulated is not real. The simulator leaves out snow, fog, spray behind wheels, second echoes, and the vibration of the
+//! car. It is dry unless a street is put [in the rain](rain).
 
 #![expect(clippy::missing_errors_doc, reason = "the types of errors say it once for all functions")]
 

@@ -1,6 +1,6 @@
-//! What surfaces do with a laser pulse.
+//! Materials of surfaces, as a laser pulse meets them.
 
-/// What a thing is made of, as far as a laser is concerned.
+/// Material of a thing, as far as a laser is concerned.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Material {
     /// Share of light that comes back diffusely, 0 to 1.
@@ -45,7 +45,7 @@ impl Material {
     pub const RETROREFLECTOR: Self = Self::solid(1.0);
 }
 
-/// What became of a pulse that reached a pane.
+/// Fate of a pulse that reached a pane.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum PaneFate {
     /// It went on.
@@ -54,14 +54,14 @@ pub enum PaneFate {
     Returned,
     /// It went elsewhere.
     Lost,
-    /// It was mirrored, and what it meets then is bright enough to be seen in the mirror.
+    /// It was mirrored, and meets a surface then that is bright enough to be seen in the mirror.
     Mirrored,
 }
 
 /// Share of spots on panes that show mirror images.
 const MIRROR_CHANCE: f32 = 0.04;
 
-/// Decides by `chance` (0 to 1) what a pane does with a pulse that meets it at `cos_incidence`.
+/// Decides by `chance` (0 to 1) the fate of a pulse that meets a pane at `cos_incidence`.
 ///
 /// Panes are mirrors: they send a pulse back only when met head-on, and the flatter the less gets through.
 pub fn pane_fate(chance: f32, cos_incidence: f32) -> PaneFate {

@@ -10,9 +10,9 @@ use super::solid::Solid;
 /// The form of an object in its own frame: x forward, y left, z up, the origin on the ground below its middle.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ObjectShape {
-    /// What it is.
+    /// Its class.
     pub class: AnnotationClass,
-    /// What it consists of.
+    /// Its solids.
     pub parts: Vec<Part>,
 }
 
@@ -21,7 +21,7 @@ pub struct ObjectShape {
 pub struct Part {
     /// Its form.
     pub solid: Solid,
-    /// What it is made of.
+    /// Its material.
     pub material: Material,
     /// Whether labels leave it out of the box, as they do mirrors.
     pub is_outside_box: bool,

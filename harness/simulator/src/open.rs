@@ -1,4 +1,4 @@
-//! From what the user names to an open data set, simulated or on disk.
+//! Opens the data set that the user names, simulated or on disk.
 
 use nalgebra::Isometry3;
 use scans::dataset::class_table::ClassRules;
@@ -31,14 +31,14 @@ pub struct OpenOptions {
     pub columns: Option<PointColumns>,
     /// The topics of a recording; without them, those of the catalogue, or the only ones.
     pub topics: TopicChoice,
-    /// What becomes of damaged parts that others do not depend on.
+    /// How damage of parts that others do not depend on is treated.
     pub damage: DamagePolicy,
-    /// What the names of classes in labels stand for, as the user says; has the last word over the catalogue.
+    /// Meanings of the names of classes in labels, as the user gives them; they override the catalogue.
     pub classes: ClassRules,
 }
 
 impl OpenOptions {
-    /// What of it concerns data sets on disk.
+    /// The options for data sets on disk.
     pub fn of_files(&self) -> ReadOptions {
         let Self {
             format, topics, damage, classes, sensor, sensor_height_m, sensor_from_file, columns, ..

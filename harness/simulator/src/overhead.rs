@@ -1,4 +1,4 @@
-//! What hangs over a road: bridges from house to house, wires and lamps; and garages along it.
+//! Things over a road: bridges from house to house, wires and lamps; and garages along it.
 
 use std::ops::Range;
 
@@ -62,8 +62,8 @@ pub fn wires(world: &mut World, rng: &mut ChaCha8Rng) {
     }
 }
 
-/// Builds rows of garages at the building lines, whose doors stand back a little, out over the pavement where they are half
-/// open, or let one look in.
+/// Builds rows of garages at the building lines. Their doors stand back a little, stand out over the pavement where they are
+/// half open, or are open and let one look in.
 pub fn garages(world: &mut World, rng: &mut ChaCha8Rng) {
     for section in cross_sections(world, GARAGE_SPACINGS_M, rng) {
         let is_left = rng.random_bool(0.5);
@@ -90,7 +90,7 @@ pub fn garages(world: &mut World, rng: &mut ChaCha8Rng) {
             match rng.random_range(0..10_u32) {
                 // Half open: it stands out at the height of a head.
                 0..3 => block(inner_m, [0.2, 1.2], [height_m - 0.25, height_m - 0.2]),
-                // Open: the back wall shows, and what is kept there.
+                // Open: the back wall shows, and the things that are kept there.
                 3..5 => block(inner_m, [0.0, 0.1], [-0.5, rng.random_range(0.4..1.4)]),
                 _ => block(inner_m, [0.35, 0.4], [-0.5, height_m]),
             }

@@ -29,7 +29,7 @@ pub fn parked_row(world: &mut World, roadside: &Roadside, params: &ParkedRowPara
     }
 }
 
-/// Side by side with the nose to the kerb, turned by `turned_rad` toward it.
+/// Parks cars side by side with the nose to the kerb, turned by `turned_rad` toward it.
 fn row_askew(
     world: &mut World,
     roadside: &Roadside,
@@ -112,7 +112,7 @@ struct SecondRow {
     lanes_m: f32,
     /// The vehicles at the kerb, in their order along the road.
     at_kerb: Vec<AtKerb>,
-    /// Where people stand on the side of the road, in metres along it: nobody stops there.
+    /// Where people stand on the side of the road, in metres along it: no vehicle stops there.
     people_m: Vec<f32>,
 }
 
@@ -136,7 +136,7 @@ impl SecondRow {
     }
 
     /// Lets cars stop beside vehicles at the kerb where chance, the traffic and people allow it. The gap to the nearest of
-    /// those is one a person just gets through, so that from afar both look like one thing.
+    /// these vehicles just lets a person through, so that from afar both look like one thing.
     fn stop(mut self, world: &mut World, roadside: &Roadside) {
         let rng = &mut self.rng;
         let mut taken_to_m = f32::NEG_INFINITY;

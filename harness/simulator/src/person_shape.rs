@@ -9,7 +9,7 @@ use super::object_shape::ObjectShape;
 use super::portable_math;
 use super::solid::Solid;
 
-/// What distinguishes one person from another.
+/// Size, clothes and gait of a person.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Build {
     /// Height in metres.

@@ -8,16 +8,16 @@ use super::rain::Rain;
 use super::scene::{GROUND_LEAF, Hit, Mirror, Pulse, Scene, chance};
 use super::sensor::{CarrierRoof, SensorModel};
 
-/// What surrounds the sensor during a turn.
+/// Surroundings of the sensor during a turn.
 #[derive(Debug, Clone, Copy)]
 pub struct Surroundings<'a> {
     /// Roads and pavement.
     pub ground: &'a Ground,
-    /// What never moves.
+    /// Things that never move.
     pub standing: &'a Scene,
-    /// What moves, where it is now.
+    /// Moving things, at their present positions.
     pub moving: &'a Scene,
-    /// Where the sensor is.
+    /// Pose of the sensor.
     pub world_from_sensor: Pose,
     /// The rain, if any.
     pub rain: Option<Rain>,
@@ -25,8 +25,8 @@ pub struct Surroundings<'a> {
 
 /// Where a pulse sent along `ray` (sensor frame, unit direction) ends within the sensor's range.
 ///
-/// `rng` decides what happens by chance on the way. A pulse that a pane or wet ground mirrors ends on what it meets then,
-/// and appears to come from behind the mirror: such a ghost belongs to no object.
+/// `rng` decides chance events on the way. A pulse that a pane or wet ground mirrors ends on the next thing that it meets,
+/// which appears to be behind the mirror: such a ghost belongs to no object.
 pub fn first_hit(sensor: &SensorModel, surroundings: &Surroundings<'_>, ray: &Ray, rng: u32) -> Option<Hit> {
     if sensor.carrier_roof.is_some_and(|roof| is_shaded(&roof, ray)) {
         return None;

@@ -2,10 +2,9 @@
 //!
 //! The model is simple on purpose. Light fades exponentially on its way through rain (Beer and Lambert), there and back,
 //! and how fast is a power law of the rain rate: 1.076 R^0.67 dB/km with R in mm/h, which Carbonneau and Wisely give for
-//! optical links through the open air. What fades is what the light is scattered by: the same power law says how often a
-//! pulse meets a drop, and of such drops only near ones send back enough to be taken for a thing. Wet ground is dark, and
-//! where water covers it, it mirrors by Schlick's approximation of Fresnel's law: little from above, nearly everything
-//! when met flat.
+//! optical links through the open air. Light fades because drops scatter it: the same power law says how often a pulse meets
+//! a drop, and of these drops only near ones send back enough to be taken for a thing. Wet ground is dark, and where water
+//! covers it, it mirrors by Schlick's approximation of Fresnel's law: little from above, nearly everything when met flat.
 
 use parry3d::math::Vector;
 
@@ -27,7 +26,7 @@ pub const RAIN_RATES_MM_PER_H: std::ops::RangeInclusive<f32> = 0.1..=150.0;
 
 /// The range at which the chance that a drop is taken for a thing has fallen to 37 %, in metres.
 const DROP_FADING_M: f32 = 4.0;
-/// Share of its light that dry ground sends back and ground that is soaked does not lose inside.
+/// Reflectivity of soaked ground over that of dry ground: the rest of the light is lost inside.
 const WET_BRIGHTNESS: f32 = 0.65;
 /// Share of light that water mirrors when met at a right angle.
 const MIRRORED_FROM_ABOVE: f32 = 0.02;
@@ -38,9 +37,9 @@ const HALF_COVERED_MM_PER_H: f32 = 20.0;
 /// A drop that looks like a thing.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Drop {
-    /// Where, in metres.
+    /// Its range in metres.
     pub range_m: f32,
-    /// How bright, as intensity.
+    /// Its brightness, as intensity.
     pub intensity: f32,
 }
 
@@ -78,12 +77,12 @@ impl Rain {
             return None;
         }
         let range_m = (-portable_math::ln(f64::from(where_met.max(f32::MIN_POSITIVE)))) as f32 / rate_per_m;
-        // What is left of the chance says how large the drop is.
+        // The rest of the chance says how large the drop is.
         let intensity = (1.0 + 4.0 * met / share).round() / 100.0;
         (range_m < free_m).then_some(Drop { range_m, intensity })
     }
 
-    /// What dry ground that gives `hit` at `position` (in the world), where its unit normal is `normal`, gives when wet.
+    /// The hit of wet ground where dry ground gives `hit`, at `position` in the world with the unit normal `normal`.
     pub fn wet_ground(&self, hit: Hit, position: Vector, normal: Vector) -> Hit {
         let soaked = Hit { reflectivity: hit.reflectivity * WET_BRIGHTNESS, ..hit };
         // Puddles and films are larger than a beam.
@@ -146,7 +145,7 @@ mod tests {
         assert!(share < drops(Rain::new(50.0), 120.0).0 * 0.5 && range_m < 2.0, "{share} {range_m}");
     }
 
-    /// What a road met at this cosine becomes at 1,000 positions: share of them that mirror, and how strongly they do.
+    /// A road met at this cosine at 1,000 positions: share of them that mirror, and of light that the first mirrors.
     fn mirroring(mm_per_h: f32, cos_incidence: f32) -> (f32, f32) {
         let rain = Rain::new(mm_per_h);
         let road = Hit { cos_incidence, ..WALL };

@@ -97,14 +97,14 @@ impl SeenBeams {
         (least < MOST_DIFFERENT).then_some(id)
     }
 
-    /// Whether these are surely not the beams of the embedded sensor of this id. `false` of others.
+    /// Whether these are surely not the beams of the embedded sensor of this id; `false` of other ids and of too few points.
     pub fn contradict(&self, id: &str) -> bool {
         let model = SensorModel::embedded(id).filter(|_| self.n_points >= ENOUGH_POINTS);
         model.is_some_and(|it| self.difference(&it) > SURELY_DIFFERENT)
     }
 
-    /// How far these beams differ from those of `model`; infinitely far if they cannot be counted. A third more or fewer
-    /// beams is 0.7; as much is 3 degrees at the lower end, or twice that at the upper end, where the sky sends nothing back.
+    /// How far these beams differ from those of `model`; infinitely far if they cannot be counted. A third more beams, or a
+    /// quarter fewer, are 0.7; as much is 3 degrees at the lower end, or twice that at the upper end: the sky is empty.
     fn difference(&self, model: &SensorModel) -> f32 {
         let ends = model
             .beams()
@@ -117,7 +117,7 @@ impl SeenBeams {
     }
 }
 
-/// Number of steps between sorted elevations, which are forgotten.
+/// Number of groups of elevations with less than [`LEAST_STEP_DEG`] from one to the next; empties the list.
 fn n_steps(elevations_deg: &mut Vec<f32>) -> usize {
     elevations_deg.sort_unstable_by(f32::total_cmp);
     let n = elevations_deg.chunk_by(|a, b| b - a < LEAST_STEP_DEG).count();

@@ -18,7 +18,7 @@ pub struct Wave {
     pub phase: f32,
 }
 
-/// What a [`RoadAxis`] is made of.
+/// Parameters of a [`RoadAxis`].
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct RoadAxisShape {
     /// A point of the straight line, x and y in metres.

@@ -9,7 +9,7 @@ use super::roadside::{Roadside, Side};
 use super::street_conditions::StreetConditions;
 use super::world::Course;
 
-/// How far a street goes on before and after the drive, in metres: what a sensor can see.
+/// Length of a street before and after the drive, in metres: as far as a sensor sees.
 pub const MARGIN_M: f32 = 130.0;
 
 /// The widths of a road, from the axis outward.
@@ -119,7 +119,7 @@ impl Parking {
         }
     }
 
-    /// The same in a lane along the kerb that is wider by `more_m`.
+    /// This way to park, in a lane that is wider by `more_m` if it is along the kerb.
     #[must_use = "parking itself stays as it is"]
     pub fn widened(self, more_m: f32) -> Self {
         match self {

@@ -43,12 +43,12 @@ impl Roadside {
         RoadPosition { along_m, left_m: self.side.sign() * from_axis_m }
     }
 
-    /// An upright thing there whose x points along the traffic of this side and y toward the road.
+    /// Placement of an upright thing there, whose x points along the traffic of this side and y toward the road.
     pub fn facing_road(&self, along_m: f32, from_axis_m: f32) -> Placement {
         self.along_traffic(along_m, from_axis_m, Stance::Upright)
     }
 
-    /// A thing there that faces the way the traffic of this side goes (on the right).
+    /// Placement of a thing there that faces the way the traffic of this side goes (on the right).
     pub fn along_traffic(&self, along_m: f32, from_axis_m: f32, stance: Stance) -> Placement {
         let turned_rad = match self.side {
             Side::Left => std::f32::consts::PI,

@@ -12,7 +12,7 @@ use super::scene::Hit;
 use super::sensor::{Beam, SensorModel};
 use detector::PointCloud;
 
-/// What a turn of the sensor yields.
+/// Result of a turn of the sensor.
 #[derive(Debug, Clone, Default)]
 pub struct Turn {
     /// The points, beam by beam from the top, in each beam from behind clockwise.
@@ -54,7 +54,7 @@ pub fn beam_errors(sensor: &SensorModel, rng: &mut ChaCha8Rng) -> Vec<BeamError>
     (0..sensor.n_beams()).map(draw).collect()
 }
 
-/// Sends all pulses of one turn, an equal part of it from each of `surroundings` in turn: one if nothing moves
+/// Sends all pulses of one turn, an equal part of them in each of `surroundings`, in turn: one is enough if nothing moves
 /// meanwhile. `beam_rng` gives every beam a random stream of its own, so that beams do not depend on each other.
 pub fn turn(
     sensor: &SensorModel,
@@ -65,8 +65,7 @@ pub fn turn(
     part_of_turn(sensor, errors, surroundings, |_| 0..sensor.n_firings_per_turn as usize, beam_rng)
 }
 
-/// As [`turn`], but sends only those pulses of a beam that `firings` says: it is given how much the beam rises on each unit
-/// of its way.
+/// As [`turn`], but sends only the pulses that `firings` returns for a beam that rises this much on each unit of its way.
 pub fn part_of_turn<Firings: IntoIterator<Item = usize>>(
     sensor: &SensorModel,
     errors: &[BeamError],
@@ -135,7 +134,7 @@ impl BeamWay {
     }
 }
 
-/// What the sensor makes of the light that comes back from a pulse.
+/// Echo of a pulse, as the sensor measures it.
 #[derive(Debug, Clone, Copy)]
 struct Echo {
     range_m: f32,
@@ -173,7 +172,7 @@ const MIXING_M: std::ops::Range<f32> = 0.2..1.5;
 
 /// The range between this hit and the one before, if the beam straddles the edge between them.
 ///
-/// `chance` is in 0 to 1. Of the step from one firing to the next the beam covers the share its width makes.
+/// `chance` is in 0 to 1. The width of the beam covers a share of the step from one firing to the next.
 fn mixed_range_m(sensor: &SensorModel, previous: Option<&PulseEnd>, hit: &Hit, chance: f32) -> Option<f32> {
     // The parts of one object are not distinguished: its leaves and pales are finer than any beam.
     let previous = previous.filter(|it| it.object_idx.is_none() || it.object_idx != hit.object_idx)?;
@@ -196,11 +195,11 @@ fn is_detected(sensor: &SensorModel, hit: &Hit, chance: f32) -> bool {
 fn overlap(sensor: &SensorModel, range_m: f32) -> f32 {
     let (range_m2, near_m2) = (range_m * range_m, sensor.near_field_m * sensor.near_field_m);
     let range_m4 = range_m2 * range_m2;
-    // A hit at the very sensor is seen by nobody, however wide the near field.
+    // A hit at the very sensor is not seen, however wide the near field.
     if range_m4 == 0.0 { 0.0 } else { range_m4 / (range_m4 + near_m2 * near_m2) }
 }
 
-/// What the sensor reports as intensity, in hundredths of 0 to 1.
+/// Intensity that the sensor reports: 0 to 0.99, in hundredths.
 fn intensity(hit: &Hit, noise: f32) -> f32 {
     let exact = hit.reflectivity * (0.7 + 0.3 * hit.cos_incidence) * (1.0 + 0.1 * noise);
     (exact.clamp(0.0, 0.99) * 100.0).round() / 100.0

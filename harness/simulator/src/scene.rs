@@ -15,7 +15,7 @@ use super::solid::PlacedSolid;
 pub struct Leaf {
     /// Its form and position.
     pub form: LeafForm,
-    /// What it is made of.
+    /// Its material.
     pub material: Material,
     /// The object it is part of; `None` for walls.
     pub object_idx: Option<u32>,
@@ -31,7 +31,7 @@ pub enum LeafForm {
 }
 
 impl Leaf {
-    /// Those of the parts of `shape`, object number `object_idx`, at its position.
+    /// The leaves of the parts of `shape`, object number `object_idx`, at its position.
     pub fn of_object(
         shape: &ObjectShape,
         world_from_object: &Pose,
@@ -93,7 +93,7 @@ pub struct Pulse {
 }
 
 impl Hit {
-    /// What comes back to the sensor: reflectivity times cosine of incidence over squared range.
+    /// Signal that comes back to the sensor: reflectivity times cosine of incidence over squared range.
     pub fn signal_per_m2(&self) -> f32 {
         self.reflectivity * self.cos_incidence / (self.range_m * self.range_m)
     }
@@ -151,7 +151,7 @@ impl Scene {
         if material.passage != Passage::Pane {
             return Some(hit);
         }
-        // What a pane does depends on the spot and not on the pulse: reflections and blinds are larger than a beam.
+        // The spot on a pane decides, not the pulse: reflections and blinds are larger than a beam.
         let spot = spot_number(pulse.ray.point_at(range_m));
         match pane_fate(chance(spot, leaf_idx), hit.cos_incidence) {
             PaneFate::Passed => None,
@@ -182,7 +182,7 @@ fn hit_inside(leaf: &Leaf, chance: f32, mean_free_path_m: f32, [enter, exit]: [f
     hit_on(range_m, leaf_cosine, leaf.material, leaf.object_idx).filter(|_| range_m < exit)
 }
 
-/// The same number for all positions within a few decimetres.
+/// A number that is equal for all positions within a cube of a few decimetres.
 pub fn spot_number(position: Vector) -> u32 {
     let cell = (position * (1.0 / SPOT_M)).floor();
     let [x, y, z] = [cell.x, cell.y, cell.z].map(|it| it as i32 as u32);

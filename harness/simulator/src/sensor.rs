@@ -1,4 +1,4 @@
-//! What a rotating LiDAR is like: beams, turn, range, noise.
+//! Description of a rotating LiDAR: beams, turn, range, noise.
 
 /// A rotating LiDAR, read from a description file.
 ///
@@ -11,7 +11,7 @@
 #[derive(Debug, Clone, PartialEq, serde::Serialize, serde::Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct SensorModel {
-    /// What it is called.
+    /// Its name.
     pub name: String,
     /// Scans a second.
     pub turns_per_second: f32,
@@ -31,12 +31,12 @@ pub struct SensorModel {
     pub beam_elevation_error_sigma_deg: f32,
     /// Standard deviation over the beams of the unknown part of a beam's azimuth, in degrees.
     pub beam_azimuth_error_sigma_deg: f32,
-    /// Width of a beam, in degrees: what straddles an edge may give an echo between both surfaces.
+    /// Width of a beam, in degrees: a beam that straddles an edge may give an echo between both surfaces.
     pub beam_divergence_deg: f32,
     /// Reflectivity times cosine of incidence over squared range at which half of the hits return.
     pub half_detected_signal_per_m2: f32,
     /// Emitter and receiver look side by side: at this range the receiver sees half of the lit spot, and less the nearer it
-    /// is, so that what is nearer returns weaker. 0 if they look through the same optics.
+    /// is, so that nearer hits return weaker. 0 if they look through the same optics.
     pub near_field_m: f32,
     /// Share of hits that are lost whatever they hit, 0 to 1.
     pub random_loss: f32,
@@ -106,7 +106,7 @@ pub enum SensorModelError {
     OutOfBounds {
         /// Which field.
         field: &'static str,
-        /// What it says.
+        /// Its value.
         value: f64,
         /// The least it may be.
         least: f64,
@@ -149,7 +149,7 @@ impl SensorModel {
         })
     }
 
-    /// Refuses what no sensor can have.
+    /// Refuses values that no sensor can have.
     pub(crate) fn check(&self) -> Result<(), SensorModelError> {
         let within = |field, value: f64, least: f64, greatest: f64| {
             let in_bounds = (least..=greatest).contains(&value);

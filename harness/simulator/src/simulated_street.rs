@@ -20,15 +20,15 @@ use super::{Street, StreetKind};
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct StreetDrive {
-    /// What kind of street it is.
+    /// Kind of the street.
     pub street: StreetKind,
-    /// What it is drawn from, and what happens on it.
+    /// Seed of the street and of everything that happens on it.
     pub seed: u64,
     /// Number of scans.
     pub n_scans: u32,
     /// Turns of the sensor from one scan to the next; 1 takes every turn.
     pub turns_per_scan: u32,
-    /// Scans of a street, after which the drive goes on in that of the next seed; as many as it has if this is left out.
+    /// Scans of a street, after which the drive goes on in the street of the next seed; without it, all that a street has.
     pub scans_per_drive: Option<u32>,
     /// The sensor: the id of an embedded description, or the path of a file with one.
     pub sensor: String,
@@ -39,11 +39,11 @@ pub struct StreetDrive {
     pub rain_mm_per_h: Option<f32>,
     /// How high the sensor is mounted above the road, in metres, instead of as its description has it.
     pub sensor_height_m: Option<f32>,
-    /// What is set about the street instead of drawn.
+    /// Conditions of the street that are set instead of drawn.
     #[serde(default)]
     pub conditions: StreetConditions,
-    /// Only this far to either side of forward counts as labelled, in degrees, as where a camera decides what people
-    /// label. Everything is, if it is left out.
+    /// Only points within this angle to either side of forward count as labelled, in degrees, as where people label the view
+    /// of a camera. Without it, all points do.
     pub labeled_to_either_side_deg: Option<f32>,
 }
 
@@ -107,9 +107,9 @@ pub fn open_simulated_street(id: &str, drive: &StreetDrive) -> Result<Box<dyn Da
 }
 
 impl StreetDrive {
-    /// The drive that a data set was simulated on; `None` for what was recorded.
+    /// The drive that a data set was simulated on; `None` for a recorded one.
     pub fn of(dataset: &DatasetDescription) -> Option<Self> {
-        // Whatever else is said to be simulated was refused when it was opened.
+        // Data sets of any other simulation were refused when they were opened.
         dataset.simulation.as_ref()?.read().ok()
     }
 
@@ -192,9 +192,9 @@ pub fn sensor_named(id_or_path: &str) -> Result<SensorModel, DatasetError> {
     described.map_err(|error| DatasetError::Sensor { path: path.to_owned(), source: error.into() })
 }
 
-/// Marks all points farther than `limit_deg` to either side of forward as outside of what is labelled, and takes away the
-/// annotations without a point nearer to forward. As where people label what a camera sees, an object that the limit cuts
-/// keeps all of its points.
+/// Marks all points farther than `limit_deg` to either side of forward as outside of the labelled area, and takes away the
+/// annotations without a point nearer to forward. An object that the limit cuts keeps all of its points, as where people
+/// label the view of a camera.
 fn mark_outside(scan: &mut LabeledScan, limit_deg: f32) {
     let columns = scan.cloud.x_m().iter().zip(scan.cloud.y_m());
     for ((x_m, y_m), region) in columns.zip(&mut scan.point_regions) {

@@ -73,7 +73,7 @@ pub struct EgoPose {
     pub world_from_sensor_xyzw: [f32; 4],
 }
 
-/// What the random streams of a seed are used for; each use has a stream of its own.
+/// Use of the random streams of a seed; each use has a stream of its own.
 #[derive(Debug, Clone, Copy)]
 enum StreamUse {
     World = 0,
@@ -113,7 +113,7 @@ impl Street {
             (conditions.gardens, gardens, StreamUse::Gardens),
             (conditions.works, works, StreamUse::Works),
             (conditions.crowd, crowd, StreamUse::Crowd),
-            // Last: of all cars that the others put there.
+            // Last, so that it rounds the cars that the others put there.
             (conditions.rounded_bodies, rounded_bodies, StreamUse::RoundedBodies),
         ] {
             if is_built {
@@ -129,7 +129,7 @@ impl Street {
         Self { kind, seed, conditions: *conditions, world, standing: Scene::new(leaves), rain: None }
     }
 
-    /// The same street while it rains.
+    /// This street while it rains.
     #[must_use = "the street itself stays dry"]
     pub fn in_rain(self, rain: Rain) -> Self {
         Self { rain: Some(rain), ..self }
@@ -237,7 +237,7 @@ impl Street {
         Pose::from_parts(world_from_car * sensor_in_car, world_from_car.rotation)
     }
 
-    /// What moves within the sensor's range, and the sensor itself, at one time.
+    /// The moving objects within the sensor's range, and the pose of the sensor, at one time.
     fn moment(&self, sensor: &SensorModel, time_s: f32) -> Moment<'_> {
         let world_from_sensor = self.world_from_sensor(sensor, time_s);
         let objects = self.world.objects.iter().zip(0..);
@@ -281,21 +281,21 @@ impl Street {
     }
 }
 
-/// Into how many moments a turn is divided when things move meanwhile: at 30 m/s and 10 turns a second what moves
-/// jumps by 6 cm from one to the next.
+/// Number of moments of a turn if things move meanwhile: at 30 m/s and 10 turns a second they jump by 6 cm from one to the
+/// next.
 const N_ROLLING_MOMENTS: u32 = 48;
 
 /// The state of the street at one time.
 #[derive(Debug)]
 struct Moment<'a> {
     world_from_sensor: Pose,
-    /// What moves within the sensor's range: form and position, world from object.
+    /// The moving objects within the sensor's range: form and position, world from object.
     movers: BTreeMap<u32, (Cow<'a, ObjectShape>, Pose)>,
-    /// The same, arranged for casting rays.
+    /// The moving objects, arranged for casting rays.
     moving: Scene,
 }
 
-/// How far the sensor has turned at one of the moments of a turn: a share of it, 0 in its middle.
+/// Share of a turn that the sensor has made at one of the moments, counted from its middle.
 fn turned(moment: u32, n_moments: u32) -> f32 {
     (moment as f32 + 0.5) / n_moments as f32 - 0.5
 }
@@ -343,7 +343,7 @@ mod tests {
         format!("{:016x}", u64::from_be_bytes(*start))
     }
 
-    /// Of scan 3 of street 1 of each kind. A change here means other scans: bump [`SIMULATOR_VERSION`].
+    /// Checksums of scan 3 of street 1 of each kind. A change here means other scans: bump [`SIMULATOR_VERSION`].
     #[test]
     fn streets_give_the_same_bytes_on_every_machine() {
         let found = StreetKind::ALL.map(|kind| checksum(&scan(kind, 1, 3)));
@@ -500,10 +500,10 @@ mod tests {
 
     #[test]
     fn a_turn_takes_time_only_if_asked_for() {
-        // What is to the left was seen a quarter of a turn before the middle, when it was farther ahead.
+        // Objects to the left were seen a quarter of a turn before the middle, when they were farther ahead.
         let mut excess_m: Vec<f32> = (0..20).flat_map(excess_shifts_m).collect();
         excess_m.sort_by(f32::total_cmp);
-        // Of a few that stand behind others either scan sees another part.
+        // Of a few that stand behind others, the two scans see different parts.
         let median_m = excess_m[excess_m.len() / 2];
         assert!(excess_m.len() > 10 && median_m.abs() < 0.1, "{excess_m:?}");
     }
@@ -558,7 +558,7 @@ mod tests {
         let count = |scan: &LabeledScan, is_meant: fn([f32; 3]) -> bool| {
             scan.cloud.positions_m().filter(|it| is_meant(*it)).count()
         };
-        // What water mirrors lies lower.
+        // Points that water mirrors lie lower.
         let far = |[x, y, z]: [f32; 3]| x * x + y * y > 2500.0 && z > -0.5;
         let near_in_the_air = |[x, y, z]: [f32; 3]| x * x + y * y < 9.0 && z > -1.0;
         let world_from_sensor = street.world_from_sensor(&sensor, time_s(&sensor, 30));

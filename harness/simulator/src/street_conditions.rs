@@ -1,4 +1,4 @@
-//! What is set about a street instead of drawn.
+//! Conditions of a street that are set instead of drawn.
 
 use std::ops::RangeInclusive;
 
@@ -7,7 +7,7 @@ use super::ground::CrossSection;
 use super::house_row::HouseRowParams;
 use super::road_axis::{RoadAxisShape, Wave};
 
-/// What is set about a street; what is left out is drawn as in any street. The same seed puts the same things at the
+/// Conditions of a street that are set; all else is drawn as in any street. The same seed puts the same things at the
 /// same positions along the road under all conditions but [`Self::haulage`], [`Self::north_american`] and
 /// [`Self::varied_vehicles`], which draw other vehicles, and [`Self::gardens`], under which houses stand elsewhere.
 #[derive(Debug, Clone, Copy, Default, PartialEq, serde::Serialize, serde::Deserialize)]
@@ -20,11 +20,11 @@ pub struct StreetConditions {
     pub hill_gradient: Option<f32>,
     /// How high kerbs stand, in metres.
     pub kerb_height_m: Option<f32>,
-    /// Whether broad trees stand along the pavements of all roads, whose crowns hang over what is parked there.
+    /// Whether broad trees stand along the pavements of all roads, with crowns that hang over parked vehicles.
     #[serde(default)]
     pub avenue: bool,
-    /// Whether half of what drives and waits, and a third of what is parked along kerbs, are trucks and buses, as where
-    /// goods are handled. Lanes for parking are wider there.
+    /// Whether half of the vehicles that drive and wait, and a third of those parked along kerbs, are trucks and buses, as
+    /// where goods are handled. Lanes for parking are wider there.
     #[serde(default)]
     pub haulage: bool,
     /// Whether cars are those of a North American town: off-roaders, pickups and large saloons. Lanes for parking are wider
@@ -47,7 +47,7 @@ pub struct StreetConditions {
     /// Whether houses stand back behind front gardens with walls, banks, bushes, sheds and cars in driveways.
     #[serde(default)]
     pub gardens: bool,
-    /// Whether works go on along the roads: barriers, heaps, containers and what else is as large as a vehicle and is none.
+    /// Whether works go on along the roads: barriers, heaps, containers and other clutter as large as a vehicle.
     #[serde(default)]
     pub works: bool,
     /// Whether pavements are crowded: cycles and scooters in racks, children, groups, people who sit.
@@ -60,11 +60,11 @@ pub struct StreetConditions {
     pub truck_ahead_height_m: Option<f32>,
 }
 
-/// What gradients there may be.
+/// Allowed gradients.
 pub const GRADIENTS: RangeInclusive<f32> = -0.2..=0.2;
-/// How high kerbs may be, in metres.
+/// Allowed heights of kerbs, in metres.
 pub const KERB_HEIGHTS_M: RangeInclusive<f32> = 0.0..=0.4;
-/// How high trucks may be, in metres.
+/// Allowed heights of trucks, in metres.
 pub const TRUCK_HEIGHTS_M: RangeInclusive<f32> = 2.0..=4.5;
 
 /// From one hill to the next, in metres.
@@ -107,7 +107,7 @@ impl StreetConditions {
         }
     }
 
-    /// What vehicles are seen how often.
+    /// The vehicles of the street and their shares.
     pub(super) fn fleet(&self) -> &'static Fleet {
         match (self.haulage, self.north_american, self.varied_vehicles) {
             (true, ..) => &HAULAGE,
@@ -117,7 +117,7 @@ impl StreetConditions {
         }
     }
 
-    /// How much wider lanes for parking along kerbs are than drawn, in metres.
+    /// Extra width of lanes for parking along kerbs, beyond the drawn width, in metres.
     pub(super) fn parking_room_m(&self) -> f32 {
         self.fleet().parking_room_m
     }

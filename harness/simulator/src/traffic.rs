@@ -16,7 +16,7 @@ pub struct Lane {
     /// Middle of the lane to the left of the road's axis, in metres.
     pub left_m: f32,
     /// Speed of all vehicles in it along the road, negative against it, in metres per second. One speed, so that
-    /// nobody runs into anybody.
+    /// vehicles do not collide.
     pub speed_m_per_s: f32,
     /// Where vehicles appear and disappear, in metres along the road.
     pub reach_m: [f32; 2],
@@ -115,7 +115,7 @@ pub fn waiting_queue(
     params: &WaitingQueueParams,
     rng: &mut ChaCha8Rng,
 ) {
-    // On the right, traffic goes along the road: what waits stands at negative distances, head first.
+    // On the right, traffic goes along the road: waiting vehicles stand at negative distances, head first.
     let backward = roadside.side.sign();
     let mut front_m = params.stop_line_m;
     for _ in 0..params.n_vehicles {
@@ -129,12 +129,12 @@ pub fn waiting_queue(
 
 /// From the sensor to the truck's rear, in metres.
 const REAR_AHEAD_M: f32 = 9.0;
-/// What the truck's position takes before and behind it, in metres.
+/// Free length before and behind the truck, in metres.
 const CLEARANCE_M: f32 = 2.5;
-/// What is nearer than this to the middle of the lane drives in it, in metres.
+/// Vehicles nearer than this to the middle of the lane drive in it, in metres.
 const HALF_LANE_M: f32 = 1.7;
 
-/// Puts a truck of `height_m` ahead of the sensor, at its speed. What drives at that position makes room.
+/// Puts a truck of `height_m` ahead of the sensor, at its speed. Vehicles that drive at that position are removed.
 pub fn leading_truck(world: &mut World, height_m: f32, rng: &mut ChaCha8Rng) {
     let shape = world.fleet.truck_of_height(height_m, rng);
     let length_m = shape.length_m();

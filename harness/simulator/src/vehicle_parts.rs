@@ -1,4 +1,4 @@
-//! What vehicles of all kinds are made of.
+//! Parts of vehicles of all kinds.
 
 use std::ops::Range;
 
@@ -17,8 +17,8 @@ pub fn range<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Range<f32>, D
 
 /// Paints from black to white.
 ///
-/// Under clear coat the light that is not sent back diffusely is mirrored away. What dark pigments send back diffusely is
-/// next to nothing: of a black car a scan shows what faces the sensor, lamps, plates and rims, and little of its
+/// Under clear coat the light that is not sent back diffusely is mirrored away. Dark pigments send back next to nothing
+/// diffusely: of a black car a scan shows the surfaces that face the sensor, lamps, plates and rims, and little of its
 /// sides and bonnet.
 pub fn paint(rng: &mut ChaCha8Rng) -> Material {
     const REFLECTIVITIES: [f32; 10] = [0.002, 0.002, 0.005, 0.012, 0.05, 0.12, 0.2, 0.3, 0.45, 0.65];

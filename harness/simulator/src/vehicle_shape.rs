@@ -12,7 +12,7 @@ use super::object_shape::ObjectShape;
 use super::solid::Solid;
 use super::vehicle_parts::{paint, pillars, prism, range, seats, wheels};
 
-/// What vans of one kind measure.
+/// Dimensions of vans of one kind.
 #[derive(Debug, Clone, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct VanStyle {
@@ -33,7 +33,7 @@ pub struct VanStyle {
     pub nose_m: Range<f32>,
 }
 
-/// What a truck carries its load in.
+/// How a truck carries its load.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Load {
@@ -46,14 +46,14 @@ pub enum Load {
     Tank,
 }
 
-/// What trucks of one kind measure.
+/// Dimensions of trucks of one kind.
 #[derive(Debug, Clone, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct TruckStyle {
     /// How many of a hundred trucks are like this.
     #[serde(default = "all")]
     pub percent: u32,
-    /// What the load is in.
+    /// How it carries its load.
     #[serde(default)]
     pub load: Load,
     /// Lengths over all.
@@ -73,7 +73,7 @@ pub struct TruckStyle {
     pub cab_height_m: Range<f32>,
 }
 
-/// What buses of one kind measure.
+/// Dimensions of buses of one kind.
 #[derive(Debug, Clone, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct BusStyle {
@@ -119,7 +119,7 @@ pub fn van(style: &VanStyle, rng: &mut ChaCha8Rng) -> ObjectShape {
         [front - nose_m - 0.9, height_m],
         [-front + 0.05, height_m],
     ];
-    // The panes lie a finger's breadth before the sheet metal: what gets through meets the inside at once.
+    // The panes lie a finger's breadth before the sheet metal: a pulse that gets through meets the inside at once.
     let windscreen = vec![
         [front - nose_m - 0.55, height_m - 0.15],
         [front - nose_m - 0.15, waist_m],
@@ -170,7 +170,7 @@ pub fn truck(style: &TruckStyle, height_m: Option<f32>, rng: &mut ChaCha8Rng) ->
 /// Narrower trucks are light ones.
 const LIGHT_HALF_WIDTH_M: f32 = 1.1;
 
-/// What is behind the cab, from x to x in metres.
+/// Parts behind the cab, from x to x in metres.
 fn load(
     load: Load,
     [rear_m, front_m]: [f32; 2],

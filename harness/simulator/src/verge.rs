@@ -1,4 +1,4 @@
-//! Spots beside roads, where what a condition adds is put.
+//! Spots beside roads for the things that a condition adds.
 
 use std::ops::Range;
 
@@ -54,18 +54,18 @@ impl Spot {
         self.roadside.building_line_m - self.roadside.kerb_m
     }
 
-    /// A thing `beyond_line_m` behind the building line and `ahead_m` along the traffic, whose x points along the traffic
-    /// and y toward the road, turned by `turned_rad`.
+    /// Placement of a thing `beyond_line_m` behind the building line and `ahead_m` along the traffic, whose x points along
+    /// the traffic and y toward the road, turned by `turned_rad`.
     pub fn behind_line(&self, [ahead_m, beyond_line_m]: [f32; 2], turned_rad: f32) -> Placement {
         self.at([ahead_m, self.roadside.building_line_m + beyond_line_m], turned_rad)
     }
 
-    /// The same `beyond_kerb_m` behind the kerb.
+    /// As [`Self::behind_line`], but `beyond_kerb_m` behind the kerb.
     pub fn behind_kerb(&self, [ahead_m, beyond_kerb_m]: [f32; 2], turned_rad: f32) -> Placement {
         self.at([ahead_m, self.roadside.kerb_m + beyond_kerb_m], turned_rad)
     }
 
-    /// Where it is in the road's coordinates: along it, and `beyond_kerb_m` behind the kerb.
+    /// Position in the road's coordinates: along it, and `beyond_kerb_m` behind the kerb.
     pub fn on_pavement(&self, [ahead_m, beyond_kerb_m]: [f32; 2]) -> [f32; 2] {
         [self.along_axis_m(ahead_m), self.roadside.kerb_m + beyond_kerb_m]
     }

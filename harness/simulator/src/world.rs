@@ -19,7 +19,7 @@ use super::solid::Solid;
 pub struct World {
     /// Roads and pavement.
     pub ground: Ground,
-    /// What is no object: houses.
+    /// Things that are no objects: houses.
     pub walls: Vec<Leaf>,
     /// The free-standing objects; the index is the track.
     pub objects: Vec<StreetObject>,
@@ -27,7 +27,7 @@ pub struct World {
     pub ego: Course,
     /// When the drive ends, in seconds from its start.
     pub drive_duration_s: f32,
-    /// What vehicles are put into it how often.
+    /// The vehicles that are put into it, and their shares.
     pub fleet: &'static Fleet,
 }
 
@@ -120,7 +120,7 @@ impl World {
         self.objects.push(StreetObject { body: Body::Rigid(shape), motion: Motion::Standing(pose) });
     }
 
-    /// Builds what is no object: solids in `frame`.
+    /// Builds things that are no objects: solids in `frame`.
     pub fn build(&mut self, frame: &Pose, solids: impl Iterator<Item = Solid>, material: Material) {
         let leaf = |it: Solid| Leaf { form: LeafForm::Solid(it.placed(frame)), material, object_idx: None };
         self.walls.extend(solids.map(leaf));
@@ -161,7 +161,7 @@ impl StreetObject {
 }
 
 impl Course {
-    /// A vehicle's, straight on along road number `road_idx`.
+    /// The course of a vehicle straight on along road number `road_idx`.
     pub fn along(road_idx: usize, start: RoadPosition, speed_m_per_s: f32, reach_m: [f32; 2]) -> Self {
         Self { road_idx, start, speed_m_per_s, reach_m, right_turn: None, stance: Stance::OnSlope }
     }
@@ -179,7 +179,7 @@ impl Course {
         Some(self.right_turn.map_or(straight_on, |turn| self.turned_off(straight_on, turn)))
     }
 
-    /// Where it is after `turn` instead of `straight_on`; the same before.
+    /// Where it is with `turn`, if it would be at `straight_on` without; before the turn the two are equal.
     fn turned_off(&self, straight_on: Placement, turn: RightTurn) -> Placement {
         let direction = self.speed_m_per_s.signum();
         let past_m = direction * (straight_on.position.along_m - turn.from_m);

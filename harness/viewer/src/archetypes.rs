@@ -36,7 +36,7 @@ pub fn points(
     [Some(positions), radii, colors].into_iter().flatten().collect()
 }
 
-/// Colours that nothing has until a view maps their column to the points.
+/// Column of colours, without effect until a view maps it to the points.
 ///
 /// Viewers from 0.38 on draw mapped colours and ignore mapped class ids.
 pub fn colors(colors: Vec<Rgb>, column: ComponentIdentifier) -> SerializedComponentBatch {
@@ -45,7 +45,7 @@ pub fn colors(colors: Vec<Rgb>, column: ComponentIdentifier) -> SerializedCompon
     SerializedComponentBatch::new(Arc::new(colors), descriptor)
 }
 
-/// Class ids that name nothing until a view maps their column to the points.
+/// Column of class ids, without effect until a view maps it to the points.
 pub fn class_ids(ids: Vec<u16>, column: ComponentIdentifier) -> SerializedComponentBatch {
     let descriptor = ComponentDescriptor::partial(column).with_component_type(ClassId::name());
     SerializedComponentBatch::new(Arc::new(UInt16Array::from(ids)), descriptor)

@@ -19,13 +19,13 @@ pub enum PointChoice {
     AtMost(usize),
 }
 
-/// Sides of the cubes for a recording of few scans, where a sensor's points lie closer than anybody sees, and of many.
+/// Sides of the cubes for recordings of few scans and of many; the eye cannot tell the points in a cube of the first apart.
 const SIDES_CM: [u8; 2] = [10, 25];
 /// Recordings of more scans are of many.
 const FEW_SCANS: usize = 20;
 
 impl PointChoice {
-    /// What is drawn in a recording of `n_scans` scans unless somebody says otherwise.
+    /// The choice for a recording of `n_scans` scans unless the user makes another.
     pub fn for_scans(n_scans: usize) -> Self {
         let [of_few, of_many] = SIDES_CM;
         Self::OneOfEachCube { side_cm: if n_scans <= FEW_SCANS { of_few } else { of_many } }
@@ -34,7 +34,7 @@ impl PointChoice {
 
 /// The points of one scan that are drawn: all that have a position, or fewer.
 ///
-/// Positions and all columns of labels have to agree in them.
+/// Positions and all columns of labels must be of the same points.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
 pub struct DrawnPoints {
     indices: Vec<u32>,

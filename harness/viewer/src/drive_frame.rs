@@ -1,12 +1,12 @@
-//! Poses relative to where a drive was begun.
+//! Poses relative to the beginning of a drive.
 
 use nalgebra::Isometry3;
 use scans::annotation::ScanId;
 
 /// The frame of the first scan of the drive at hand.
 ///
-/// Poses of a data set may count from anywhere: seen from the first scan of its drive a sensor is never so far away that
-/// single precision could not say where.
+/// Poses of a data set may count from anywhere. Relative to the first scan of its drive, a sensor is never so far away that
+/// single precision does not suffice.
 #[derive(Debug, Clone, Default)]
 pub struct DriveFrame {
     drive: Option<(String, String)>,
@@ -14,12 +14,12 @@ pub struct DriveFrame {
     positions_m: Vec<[f32; 3]>,
 }
 
-/// So many positions are remembered, half a minute of a sensor that turns ten times a second.
+/// Number of positions that are kept: half a minute of a sensor that turns ten times a second.
 const MAX_POSITIONS: usize = 300;
 
 impl DriveFrame {
-    /// Where the sensor is as seen from the first scan of its drive that was asked for, which is this one if `dataset` or
-    /// the sequence is another than before.
+    /// Pose of the sensor relative to the first scan of its drive that was asked for. This scan becomes the first if
+    /// `dataset` or the sequence is another than before.
     pub fn start_from_sensor(
         &mut self,
         dataset: &str,
@@ -40,7 +40,7 @@ impl DriveFrame {
         start_from_sensor
     }
 
-    /// Where the sensor was lately on this drive, in the same frame.
+    /// The latest positions of the sensor on this drive, in the same frame.
     pub fn positions_m(&self) -> &[[f32; 3]] {
         &self.positions_m
     }

@@ -14,13 +14,13 @@ pub const SCAN_TIMELINE: &str = "scan";
 pub const WORLD: &str = "world";
 /// Everything that moves with the sensor, in its frame.
 pub const SENSOR: &str = "world/sensor";
-/// Where the sensor is and which way is forward.
+/// Position of the sensor and the direction of forward.
 pub const FORWARD: &str = "world/sensor/forward";
 /// Circles around the sensor.
 pub const RANGE_RINGS: &str = "world/sensor/range_rings";
-/// Where the sensor was lately.
+/// The latest positions of the sensor.
 pub const DRIVE: &str = "world/drive";
-/// What does not depend on a detector.
+/// Everything that does not depend on a detector.
 pub const SCAN: &str = "world/sensor/scan";
 /// The points of the scan, and columns of colours and of class ids per detector.
 pub const POINTS: &str = "world/sensor/scan/points";
@@ -28,11 +28,11 @@ pub const POINTS: &str = "world/sensor/scan/points";
 pub const ANNOTATIONS: &str = "world/sensor/scan/annotations";
 /// Positions that are pointed at.
 pub const MARKS: &str = "world/sensor/scan/marks";
-/// What the colours of outcomes and surfaces mean.
+/// Legend of outcomes and surfaces.
 pub const LEGEND_OUTCOMES: &str = "legend/outcomes";
-/// What the colours of stage products mean.
+/// Legend of stage products.
 pub const LEGEND_STAGES: &str = "legend/stages";
-/// Which scan is shown.
+/// Name of the scan that is shown.
 pub const LEGEND_SCAN: &str = "legend/scan";
 /// F-rates so far, one line per task and detector.
 pub const F_RATE: &str = "series/f_rate";
@@ -45,7 +45,7 @@ pub const STAGE_TIMES: &str = "series/stage_ms";
 pub const COUNTS: &str = "series/counts";
 /// Numbers that only some recordings have, one line each.
 pub const FURTHER: &str = "series/further";
-/// What was missed or is false, and why, a line of text for each object.
+/// Missed and false objects, and why, a line of text for each.
 pub const MISTAKES: &str = "mistakes";
 
 const DETECTORS: &str = "world/sensor/detectors";
@@ -81,7 +81,7 @@ impl ProductKind {
         Self::ObjectCells,
     ];
 
-    /// The kind of a shape; none if it labels points, which are columns of [`POINTS`].
+    /// The kind of a shape; `None` if it labels points: those are columns of [`POINTS`].
     pub fn of(shape: &Shape) -> Option<Self> {
         match shape {
             Shape::LabeledPoints(_) | Shape::Clusters(_) => None,
@@ -148,7 +148,7 @@ pub fn outcome_layer(detector: &str, task: Task, layer: OutcomeLayer) -> EntityP
     below(DETECTORS, &[detector, "outcomes", task.name(), layer.path_part()])
 }
 
-/// The boxes of a layer of outcomes of which it is known what sides are seen.
+/// The boxes of a layer of outcomes whose seen sides are known.
 pub fn partly_seen(boxes: &EntityPath) -> EntityPath {
     product_part(boxes, "partly_seen")
 }
@@ -168,12 +168,12 @@ pub fn counts(detector: &str, task: Task) -> EntityPath {
     below(COUNTS, &[detector, task.name()])
 }
 
-/// One of these numbers.
+/// One of these numbers, called `name`.
 pub fn count(detector: &str, task: Task, name: &str) -> EntityPath {
     below(COUNTS, &[detector, task.name(), name])
 }
 
-/// What one detector missed or found falsely in one task.
+/// Objects that one detector missed or found falsely in one task.
 pub fn mistakes(detector: &str, task: Task) -> EntityPath {
     below(MISTAKES, &[detector, task.name()])
 }
@@ -198,7 +198,7 @@ pub fn stage_times(detector: &str) -> EntityPath {
 pub struct PointColumns {
     /// Colours.
     pub colors: ComponentIdentifier,
-    /// Ids of what points are, by which a viewer names them; `None` of clusters, which have no names.
+    /// Class ids, by which a viewer names the points; `None` of clusters, which have no names.
     pub class_ids: Option<ComponentIdentifier>,
 }
 
@@ -218,7 +218,7 @@ impl PointColumns {
     }
 }
 
-/// What is shown of a growing object.
+/// A part of the recording of a growing object.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum GrowthPart {
     /// Everything in three dimensions.
@@ -241,7 +241,7 @@ pub enum GrowthPart {
     Bag,
 }
 
-/// A part of what is shown of a growing object: its data set, the end that it is seen from, its name.
+/// A part of the recording of a growing object, which is given by its data set, the end that it is seen from, and its name.
 pub fn growth(of: &[String; 3], part: GrowthPart) -> EntityPath {
     let parts: &[&str] = match part {
         GrowthPart::Scene => &["scene"],

@@ -8,9 +8,9 @@ pub enum StreamError {
     /// The address of the viewer cannot be understood.
     #[error("{url:?} is not the address of a viewer, such as rerun+http://127.0.0.1:9876/proxy: {reason}")]
     BadUrl {
-        /// What was given.
+        /// The given address.
         url: String,
-        /// What is wrong with it.
+        /// Why it is refused.
         reason: String,
     },
     /// The user's environment forbids recordings.
@@ -27,7 +27,7 @@ pub enum StreamError {
     /// A viewer is there, but does not start.
     #[error("cannot start the viewer `rerun`")]
     ViewerFailed {
-        /// What the operating system said.
+        /// The error of the operating system.
         source: std::io::Error,
     },
     /// The recording cannot be served.
@@ -35,7 +35,7 @@ pub enum StreamError {
     Serve {
         /// The port.
         port: u16,
-        /// What the operating system said.
+        /// The error of the operating system.
         source: std::io::Error,
     },
     /// The file cannot be created.
@@ -43,7 +43,7 @@ pub enum StreamError {
     Create {
         /// The file.
         path: PathBuf,
-        /// What the operating system said.
+        /// The error of the operating system.
         source: std::io::Error,
     },
     /// The file cannot be written to its end.
@@ -51,23 +51,23 @@ pub enum StreamError {
     Write {
         /// The file.
         path: PathBuf,
-        /// What went wrong, as Rerun puts it.
+        /// The error, in Rerun's words.
         reason: String,
     },
     /// Rerun refused.
     #[error("cannot log {entity}: {reason}")]
     Log {
-        /// What was to be logged.
+        /// The entity.
         entity: String,
-        /// What Rerun said.
+        /// The error, in Rerun's words.
         reason: String,
     },
-    /// A detector logs that was not announced when the stream was opened.
+    /// A detector logs, but was not announced when the stream was opened.
     #[error("detector {detector:?} was not announced; announced are {announced:?}")]
     UnknownDetector {
         /// Its name.
         detector: String,
-        /// Those that were.
+        /// The announced detectors.
         announced: Vec<String>,
     },
     /// A stage product of another scan.

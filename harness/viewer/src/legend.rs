@@ -1,4 +1,4 @@
-//! What the class ids of a recording mean.
+//! The class ids of a recording and their meanings.
 
 use detector::stage_product::LinkFate;
 use detector::surface_class::SurfaceClass;
@@ -13,7 +13,7 @@ const FIRST_LINK_ID: u16 = 24;
 /// Clusters take this id and the next ones, in turn.
 const FIRST_CLUSTER_ID: u16 = 32;
 
-/// What became of a box, as one layer of the drawing.
+/// Outcome of a box, as one layer of the drawing.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub enum OutcomeLayer {
     /// Detections that are right.
@@ -28,7 +28,7 @@ pub enum OutcomeLayer {
     IgnoredAnnotation,
     /// Detections that do not count.
     IgnoredDetection,
-    /// Detections of which it cannot be known.
+    /// Detections that cannot be judged.
     Unknowable,
 }
 
@@ -80,7 +80,7 @@ pub fn surface_id(class: SurfaceClass) -> u16 {
     class as u16
 }
 
-/// The class id of what became of a link.
+/// The class id of the fate of a link.
 pub fn link_id(fate: LinkFate) -> u16 {
     FIRST_LINK_ID + fate as u16
 }
@@ -107,11 +107,11 @@ pub fn class_descriptions() -> Vec<ClassDescription> {
 
 /// A named dot of a drawn legend.
 pub struct LegendDot {
-    /// What it says.
+    /// Its name.
     pub name: &'static str,
-    /// In which colour.
+    /// Its colour.
     pub color: Rgb,
-    /// Where, in the units of [`VISIBLE_X`] and [`VISIBLE_Y`].
+    /// Its position, in the units of [`VISIBLE_X`] and [`VISIBLE_Y`].
     pub position: [f32; 2],
 }
 
@@ -121,10 +121,10 @@ pub const VISIBLE_X: [f64; 2] = [-1.5, 9.3];
 pub const VISIBLE_Y: [f64; 2] = [-1.6, 3.2];
 /// Where the name of the scan is written.
 pub const TITLE_POSITION: [f32; 2] = [3.9, -1.5];
-/// From dot to dot: what is written below them is wider than high.
+/// From dot to dot: the names below them are wider than high.
 const STEP: [f32; 2] = [2.6, 1.1];
 
-/// Outcomes above surfaces: views in three dimensions have no legend of their own.
+/// Dots of outcomes above those of surfaces: views in three dimensions have no legend of their own.
 pub fn outcome_dots() -> Vec<LegendDot> {
     let surface = |it: SurfaceClass| (it.name(), palette::surface_color(it));
     in_rows([
@@ -138,7 +138,7 @@ pub fn outcome_dots() -> Vec<LegendDot> {
     ])
 }
 
-/// Lines that stages draw, and scores.
+/// Dots of lines that stages draw, and of scores.
 pub fn stage_dots() -> Vec<LegendDot> {
     let line = |name| palette::line_color(name);
     let link = |name, fate| (name, palette::link_color(fate));

@@ -1,7 +1,7 @@
 //! Recordings for the Rerun viewer; the only crate that knows Rerun.
 //!
-//! A [`session::Stream`] takes labelled scans, what each detector made of them and what became of every object, and
-//! writes them to an `.rrd` file and, on request, to a viewer at the same time. It draws the generic products of
+//! A [`session::Stream`] takes labelled scans, the results of each detector and the outcome of every object, and writes them
+//! to an `.rrd` file and, on request, to a viewer at the same time. It draws the generic products of
 //! [`detector::stage_product`], so a new detector is drawn without a new line here.
 //!
 //! A recording is a view: nothing is read back from it.

@@ -1,4 +1,4 @@
-//! Logs what became of every annotation and every detection.
+//! Logs the outcomes of all annotations and detections.
 
 use std::collections::BTreeSet;
 
@@ -17,17 +17,16 @@ use crate::legend::OutcomeLayer;
 use crate::log_scan::drawn_box;
 use crate::{archetypes, entity_paths, legend, palette, recording};
 
-/// A box of a layer and what is written beside it.
+/// A box of a layer and its label.
 struct LabeledBox {
     layer: OutcomeLayer,
     drawn: OrientedBox,
-    /// What is seen of it, if that is known.
+    /// The part of it that is seen, if known.
     seen: Option<SeenOfVehicle>,
     label: String,
 }
 
-/// Logs the boxes of `assignment`, one batch per outcome that occurs, at the current time and returns the entities they
-/// became.
+/// Logs the boxes of `assignment` at the current time, one batch per outcome that occurs, and returns their entities.
 ///
 /// # Errors
 ///

@@ -1,4 +1,4 @@
-//! Logs what the stages of a detector left behind.
+//! Logs the stage products of a detector.
 
 use std::collections::BTreeSet;
 
@@ -17,15 +17,15 @@ use super::{archetypes, entity_paths, legend, recording};
 
 /// Half the width of a line, in pixels of a screen of normal density.
 const LINE_RADIUS_PX: f32 = 0.8;
-/// The same of outlines that many others cross.
+/// Half the width of outlines that many others cross, in the same pixels.
 const THIN_RADIUS_PX: f32 = 0.5;
-/// The same of the lines of a graph.
+/// Half the width of the lines of a graph, in the same pixels.
 const LINK_RADIUS_PX: f32 = 1.0;
 
-/// Logs `products` of `detector` at the current time and returns the entities they became.
+/// Logs `products` of `detector` at the current time and returns their entities.
 ///
-/// Labels of points become columns of the points of the scan, which compress well, where the positions again would be twelve
-/// bytes a point that do not: colours, and for classes of surfaces also class ids, by which a viewer names them.
+/// Labels of points become columns of the points of the scan: colours, and for classes of surfaces also class ids, by which
+/// a viewer names them. Columns compress well; the positions again would be twelve bytes a point that do not.
 ///
 /// # Errors
 ///
@@ -60,7 +60,7 @@ pub fn log_products(
     Ok(logged)
 }
 
-/// Logs a product that has an entity of its own, and adds what it became to `logged`.
+/// Logs a product that has an entity of its own, and adds its entities to `logged`.
 fn log_entity(
     stream: &RecordingStream,
     path: EntityPath,
@@ -147,7 +147,7 @@ fn log_links(
     Ok(())
 }
 
-/// The colour of every point that is drawn; none if the product does not label points.
+/// The colour of every drawn point; `None` if the product does not label points.
 fn point_colors(points: &DrawnPoints, shape: &Shape) -> Option<Vec<Rgb>> {
     let no_cluster = palette::surface_color(SurfaceClass::Unseen);
     match shape {
@@ -162,7 +162,7 @@ fn point_colors(points: &DrawnPoints, shape: &Shape) -> Option<Vec<Rgb>> {
     }
 }
 
-/// The class id of every point that is drawn; none if the product does not classify points.
+/// The class id of every drawn point; `None` if the product does not classify points.
 fn point_ids(points: &DrawnPoints, shape: &Shape) -> Option<Vec<u16>> {
     let Shape::LabeledPoints(classes) = shape else { return None };
     Some(points.indices().map(|point_idx| legend::surface_id(classes[point_idx])).collect())

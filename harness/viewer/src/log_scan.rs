@@ -1,4 +1,4 @@
-//! Logs what every detector is given: the points and the labelled objects.
+//! Logs the parts of a scan that all detectors share: the points and the labelled objects.
 
 use detector::{OrientedBox, PointCloud};
 use evaluation::run::scan_recorder::Mark;
@@ -17,7 +17,7 @@ use crate::{archetypes, entity_paths, legend, palette, recording};
 /// Radius of a point, in pixels of a screen of normal density.
 const POINT_RADIUS_PX: f32 = 1.1;
 
-/// Where a pointer from above begins, over the sensor, and how long it is, in metres.
+/// Height above the sensor at which a pointer from above begins, and its length, in metres.
 const MARK_TOP_M: f32 = 5.0;
 const MARK_LENGTH_M: f32 = 3.5;
 
@@ -55,7 +55,7 @@ pub fn log_scan(
     log_title(stream, format!("{}\n{n_points}, {} annotations", scan.id, scan.annotations.len()))
 }
 
-/// Points at positions from above. Where nothing ever is, the entity is not there.
+/// Logs a pointer from above at each mark. A recording without any mark does not have the entity.
 fn log_marks(stream: &RecordingStream, marks: &[Mark]) -> Result<(), StreamError> {
     if marks.is_empty() {
         return Ok(());
@@ -79,7 +79,7 @@ pub fn log_title(stream: &RecordingStream, title: String) -> Result<(), StreamEr
     recording::log(stream, entity_paths::LEGEND_SCAN, &archetypes::written(legend::TITLE_POSITION, title))
 }
 
-/// The box an annotation is drawn as: its own, else the upright one around its points; none without points.
+/// The box an annotation is drawn as: its own, else the upright one around its points; `None` without points.
 pub fn drawn_box(annotation: &Annotation, cloud: &PointCloud) -> Option<OrientedBox> {
     if annotation.bounding_box.is_some() {
         return annotation.bounding_box;
@@ -99,8 +99,8 @@ pub fn drawn_box(annotation: &Annotation, cloud: &PointCloud) -> Option<Oriented
     around.length_width_height_m.iter().all(|side_m| side_m.is_finite()).then_some(around)
 }
 
-/// Logs the pose of the sensor at the current time, and where it was lately; where it is not known the frame of the sensor
-/// is the world's.
+/// Logs the pose of the sensor at the current time, and its latest positions; where the pose is not known, the frame of the
+/// sensor is the world's.
 ///
 /// # Errors
 ///

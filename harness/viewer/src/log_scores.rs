@@ -1,4 +1,4 @@
-//! Logs how sure a detector is that its detections are vehicles.
+//! Logs the scores of detections: how sure a detector is that they are vehicles.
 
 use std::collections::BTreeSet;
 
@@ -9,8 +9,8 @@ use rerun::{EntityPath, RecordingStream};
 use super::error::StreamError;
 use super::{archetypes, entity_paths, legend, palette, recording};
 
-/// Logs the boxes of `detections` coloured by their scores, at the current time, and returns the entities they became.
-/// What is taken for a vehicle has its score written beside it.
+/// Logs the boxes of `detections` coloured by their scores, at the current time, and returns their entities. The scores of
+/// vehicles are written beside them.
 ///
 /// # Errors
 ///
@@ -38,7 +38,7 @@ pub fn log_scores(
     Ok(logged)
 }
 
-/// Without a score the class alone decides.
+/// Colour of the score; without a score the class alone decides.
 fn color(detection: &Detection<'_>) -> palette::Rgb {
     let by_class = match detection.class {
         DetectedClass::Vehicle => f32::INFINITY,

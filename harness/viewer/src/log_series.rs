@@ -68,7 +68,7 @@ pub fn log_f_rate(
     recording::log(stream, entity_paths::f_rate(task, detector), &Scalars::single(f_rate))
 }
 
-/// Logs how many objects of the scan were found, missed and false at the current time; what cannot be known leaves a gap.
+/// Logs the numbers of found, missed and false objects of the scan at the current time; an unknown number leaves a gap.
 ///
 /// # Errors
 ///

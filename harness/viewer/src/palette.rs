@@ -1,4 +1,4 @@
-//! What the colours of the viewer stand for.
+//! The colours of the viewer and their meanings.
 //!
 //! The hues can be distinguished with every kind of colour vision; the greys stay behind them on a dark background.
 
@@ -18,17 +18,17 @@ const LIGHT_GREY: Rgb = [226, 226, 230];
 
 /// A right detection, or the annotation it found.
 pub const MATCHED: Rgb = BLUISH_GREEN;
-/// An annotation nobody found.
+/// An annotation that was not found.
 pub const MISSED: Rgb = YELLOW;
 /// A detection of nothing.
 pub const FALSE: Rgb = VERMILION;
-/// What is neither right nor wrong.
+/// A box that is neither right nor wrong.
 pub const IGNORED: Rgb = GREY;
-/// What a person, or the simulator, labelled.
+/// An object that a person, or the simulator, labelled.
 pub const ANNOTATION: Rgb = SKY_BLUE;
 /// Circles around the sensor.
 pub const RANGE_RINGS: Rgb = [70, 72, 80];
-/// Behind everything that is drawn in three dimensions.
+/// Background of the views.
 pub const BACKGROUND: Rgb = [16, 17, 21];
 
 /// Hues for things that have no meaning of their own, such as clusters; neighbours in the list differ most.
@@ -64,7 +64,7 @@ pub fn link_color(fate: LinkFate) -> Rgb {
     }
 }
 
-/// The colour of lines of the stage product `name`; what is not known here is yellow.
+/// The colour of lines of the stage product `name`; unknown products are yellow.
 pub fn line_color(name: &str) -> Rgb {
     match name {
         "segments" | "rectangles" | "concave_profiles" => ORANGE,
@@ -92,7 +92,7 @@ pub const SEEN_NOW: Rgb = [240, 240, 245];
 /// See [`SEEN_NOW`].
 pub const SEEN_BEFORE: Rgb = [118, 122, 132];
 
-/// From surely background over undecided to surely a vehicle: the colour of a score, whose sign decides.
+/// The colour of a score, whose sign decides: from surely background over undecided to surely a vehicle.
 pub fn score_color(score: f32) -> Rgb {
     // Beyond this a score is sure; the margin of the classifiers is at 1.
     const SURE: f32 = 1.0;

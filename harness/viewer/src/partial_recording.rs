@@ -21,7 +21,7 @@ use super::{legend, palette, recording};
 
 const APPLICATION_ID: &str = "scanbench";
 
-/// The timeline of objects that are uncovered, and of those that are driven toward.
+/// Timeline, and its steps a second, of objects that are uncovered, and of objects that are driven toward.
 const STEPS: (&str, f64) = ("step", 2.0);
 const DRIVEN: (&str, f64) = ("driven_cm", 100.0);
 
@@ -31,7 +31,7 @@ const DRIVEN: (&str, f64) = ("driven_cm", 100.0);
 ///
 /// [`StreamError`] if the file cannot be written, or Rerun refuses.
 pub fn record_growths(path: &Path, name: &str, growths: &[Growth]) -> Result<(), StreamError> {
-    // Rerun's own answer to this variable would be an empty file.
+    // Where the variable RERUN turns recordings off, Rerun itself would leave an empty file.
     if !rerun::decide_logging_enabled(true) {
         return Err(StreamError::SwitchedOff);
     }
@@ -86,12 +86,12 @@ fn tabs(growths: &[Growth]) -> Vec<GrowthTab> {
     tabs
 }
 
-/// Where a growing object is in the recording.
+/// The names that make up the path of a growing object: data set, direction, object.
 fn names_of(growth: &Growth) -> [String; 3] {
     [growth.data.clone(), growth.direction.to_owned(), growth.object.clone()]
 }
 
-/// The middle and the largest extent of what is seen in the end, in metres.
+/// The middle and the largest extent of the points that are seen in the end, in metres.
 fn bounds(growth: &Growth) -> ([f32; 3], f32) {
     let (mut low_m, mut high_m) = ([f32::INFINITY; 3], [f32::NEG_INFINITY; 3]);
     for position_m in growth.moments.last().iter().flat_map(|it| it.cloud.positions_m()) {
@@ -156,7 +156,7 @@ fn log_moment(
     recording::log(stream, at(GrowthPart::Bag), &bars)
 }
 
-/// A number for each class; what a method does not know leaves a gap.
+/// Logs a number for each class; one that the method does not know leaves a gap.
 fn log_numbers(
     stream: &RecordingStream,
     path: rerun::EntityPath,
@@ -168,7 +168,7 @@ fn log_numbers(
     recording::log(stream, path, &Scalars::new(numbers.map(|it| it.unwrap_or(f64::NAN))))
 }
 
-/// What is new stands out. Points keep their order, so that those of `before` are met one after the other.
+/// Colours of the points: new ones stand out. Points keep their order, so that those of `before` come one after the other.
 fn colors_of_points(cloud: &PointCloud, before: &PointCloud) -> Vec<Rgb> {
     let bits = |it: [f32; 3]| it.map(f32::to_bits);
     let mut known = before.positions_m().map(bits).peekable();
@@ -182,7 +182,7 @@ fn label_color(label: u8) -> Rgb {
     palette::CYCLE[usize::from(label) % palette::CYCLE.len()]
 }
 
-/// Its predicted class and how sure that is, above it.
+/// The predicted class and its chance, above the object.
 fn decision(of: &Growth, moment: &GrowthMoment) -> Points3D {
     let ([x, y, z], extent_m) = bounds(of);
     let top_m = moment.cloud.z_m().iter().copied().filter(|it| it.is_finite()).fold(z, f32::max);

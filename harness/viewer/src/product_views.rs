@@ -1,4 +1,4 @@
-//! Which entities and which column of points show what a stage left behind.
+//! The entities and the column of points that show the products of a stage.
 
 use detector::StageProduct;
 use detector::stage_product::Shape;
@@ -6,34 +6,34 @@ use rerun::EntityPath;
 
 use super::entity_paths::{self, PointColumns, ProductKind};
 
-/// What the views of one detector show, as far as it follows from its stage products.
+/// The views of one detector, as far as they follow from its stage products.
 #[derive(Debug, Clone, PartialEq)]
 pub struct DetectorViews {
     /// Its name.
     pub detector: String,
-    /// What the points are taken for in the end, or else which clusters they belong to.
+    /// Columns of the final surface classes of the points; without them, of the final clusters.
     pub surfaces: Option<PointColumns>,
-    /// Which clusters they belong to in the end.
+    /// Columns of the final clusters of the points.
     pub clusters: Option<PointColumns>,
-    /// What each stage left behind, in the order of the stages.
+    /// The views of the stages, in the order of the stages.
     pub stages: Vec<StageView>,
 }
 
-/// What one stage left behind.
+/// View of the products of one stage.
 #[derive(Debug, Clone, PartialEq)]
 pub struct StageView {
     /// Its name.
     pub stage: &'static str,
-    /// What is drawn.
+    /// The entities that are drawn.
     pub entities: Vec<EntityPath>,
-    /// What colours the points: the labels of this stage, or else of the one before.
+    /// Columns that colour the points: the labels of this stage, or else of the one before.
     pub labels: Option<PointColumns>,
-    /// It is a picture of cells, which points would hide, or be hidden by.
+    /// Whether it shows cells, which points would hide, or be hidden by.
     pub is_of_cells: bool,
 }
 
 impl DetectorViews {
-    /// The views of `detector`, whose stages leave such `products` behind.
+    /// The views of `detector`, whose stages leave these `products` behind.
     pub fn of(detector: &str, products: &[StageProduct]) -> Self {
         let mut views =
             Self { detector: detector.to_owned(), surfaces: None, clusters: None, stages: Vec::new() };
@@ -61,7 +61,7 @@ impl DetectorViews {
                 None => view.labels = columns,
             }
         }
-        // A detector that does not say what points are shows at least which belong together.
+        // Without surface classes, at least the clusters of the points are shown.
         views.surfaces = views.surfaces.or(views.clusters);
         views
     }

@@ -1,15 +1,15 @@
-//! What the time of a recording counts.
+//! The axis of a recording: the meaning of its time.
 
 use super::entity_paths::SCAN_TIMELINE;
 
-/// The timeline of a recording, and what its series are.
+/// The timeline of a recording, and the meaning of its series.
 #[derive(Debug, Clone, PartialEq)]
 pub struct RecordingAxis {
     /// The name of the timeline, with the unit of its steps.
     pub timeline: String,
     /// Steps a second when it is played.
     pub steps_per_s: f64,
-    /// What the F-rates are of.
+    /// Title of the F-rates, such as `F-rate so far`.
     pub rates: String,
     /// Names of further series, a view each.
     pub further_series: Vec<&'static str>,
@@ -26,7 +26,7 @@ impl RecordingAxis {
         }
     }
 
-    /// Whether it is a parameter, and not scans, that goes on.
+    /// Whether the axis is a swept parameter, and not the scans.
     pub fn is_of_a_sweep(&self) -> bool {
         self.timeline != SCAN_TIMELINE
     }

@@ -1,7 +1,7 @@
 //! The file a recording is written to.
 //!
-//! Rerun's own file sink reports a full disk to nobody until it is flushed, and an error in the footer never. This one
-//! keeps the first error, so that the stream can ask for it after every scan and at the end.
+//! Rerun's own file sink does not report a full disk before it is flushed, and never an error in the footer. This one keeps
+//! the first error, so that the stream can ask for it after every scan and at the end.
 
 use std::fs::File;
 use std::io::BufWriter;
@@ -39,7 +39,7 @@ impl RecordingFile {
         Self::begin(path, create_file(path))
     }
 
-    /// Writes to what is at `path`: a device or a pipe.
+    /// Writes to the device or the pipe at `path`.
     ///
     /// # Errors
     ///
@@ -59,7 +59,7 @@ impl RecordingFile {
         Ok(Self { path: path.to_owned(), state: Arc::new(Mutex::new(state)) })
     }
 
-    /// What went wrong so far.
+    /// Reports the first error so far.
     ///
     /// # Errors
     ///
@@ -73,7 +73,7 @@ impl RecordingFile {
         }
     }
 
-    /// Writes the footer and hands everything to the operating system. What Rerun sends later is not written.
+    /// Writes the footer and hands everything to the operating system. Data that Rerun sends later are not written.
     ///
     /// # Errors
     ///

@@ -39,7 +39,7 @@ pub struct RunRecordingOptions {
     pub stream: StreamOptions,
     /// A file that is written instead, and appears once it is complete.
     pub elsewhere: Option<RecordingPath>,
-    /// Every so many scans are recorded.
+    /// One of so many scans is recorded.
     pub every: u32,
 }
 
@@ -58,10 +58,10 @@ pub enum RecordingError {
     /// The recording cannot be made.
     #[error(transparent)]
     Stream(#[from] StreamError),
-    /// What is to be recorded cannot be read.
+    /// The data set cannot be read.
     #[error(transparent)]
     Dataset(#[from] DatasetError),
-    /// A detector that is looked at once more fails.
+    /// A detector that is run once more fails.
     #[error(transparent)]
     Detector(#[from] DetectorFailure),
 }

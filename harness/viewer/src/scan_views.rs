@@ -1,4 +1,4 @@
-//! What is logged of a scan.
+//! The parts of a scan that are logged.
 
 use std::time::Duration;
 
@@ -19,22 +19,22 @@ pub struct ScanView<'a> {
     pub step: i64,
     /// Positions that are pointed at.
     pub marks: &'a [Mark],
-    /// Where the sensor was, in a frame that rests, if that is known.
+    /// Pose of the sensor, in a frame that rests, if known.
     pub world_from_sensor: Option<Isometry3<f64>>,
-    /// Where it was lately in that frame, in metres.
+    /// Its latest positions in that frame, in metres.
     pub drive_m: &'a [[f32; 3]],
 }
 
-/// What one detector made of one scan.
+/// Results of one detector on one scan.
 #[derive(Debug, Clone, Copy)]
 pub struct DetectorView<'a> {
     /// Its name, as announced when the stream was opened.
     pub name: &'a str,
-    /// What it reports.
+    /// Its output.
     pub output: &'a DetectorOutput,
-    /// What its stages left behind.
+    /// Its stage products.
     pub products: &'a [StageProduct],
-    /// How that is judged, for each task.
+    /// Their outcomes, for each task.
     pub tasks: &'a [TaskView<'a>],
     /// Time of the whole detection.
     pub latency: Option<Duration>,
@@ -43,11 +43,11 @@ pub struct DetectorView<'a> {
 /// How a detector did on one scan in one task.
 #[derive(Debug, Clone)]
 pub struct TaskView<'a> {
-    /// What became of every annotation and detection.
+    /// Outcomes of all annotations and detections.
     pub assignment: &'a Assignment,
-    /// Whether it can be known what is false.
+    /// Whether false detections can be known.
     pub false_detections: FalseDetections,
-    /// What was missed or is false, in words.
+    /// Missed and false objects, in words.
     pub mistakes: Vec<Mistake>,
     /// The F-rate over the scans so far, 0 to 1; `None` while its denominator is zero.
     pub f_rate_so_far: Option<f64>,

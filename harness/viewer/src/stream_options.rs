@@ -1,4 +1,4 @@
-//! What is asked of a recording.
+//! Options of a recording.
 
 use std::path::PathBuf;
 
@@ -15,9 +15,9 @@ pub struct StreamOptions {
     pub name: String,
     /// The file, always written.
     pub file: PathBuf,
-    /// What becomes of what is there.
+    /// Treatment of something that is at that path already.
     pub existing: ExistingRecording,
-    /// A viewer that gets the same at the same time.
+    /// A viewer that gets the same data at the same time.
     pub viewer: ViewerChoice,
     /// How it opens.
     pub opening: Opening,
@@ -25,10 +25,10 @@ pub struct StreamOptions {
     pub points: PointChoice,
 }
 
-/// What becomes of what is at the path of a recording.
+/// Treatment of something that is at the path of a recording already.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub enum ExistingRecording {
-    /// It goes, be it a file or a link.
+    /// It is replaced, be it a file or a link.
     #[default]
     Replace,
     /// It is written to: a device, or a pipe.
@@ -56,8 +56,8 @@ pub struct Opening {
     pub first_tab: FirstTab,
     /// Whether the poses of the sensor are known for some scans at least.
     pub has_poses: bool,
-    /// What is first on the axis is shown first, instead of what came last.
+    /// Whether the start of the axis is shown first, instead of the end.
     pub at_the_start: bool,
-    /// What a tab of its own shows, before all others; none if there are none.
+    /// Figures in a tab of their own, before all others; no such tab if there are none.
     pub figures: &'static [FigureView],
 }

@@ -30,7 +30,7 @@ use super::viewer::ViewerChoice;
 /// The file in the directory.
 const SWEEP_RRD: &str = "sweep.rrd";
 
-/// Looks at the scan in the middle of `swept`, the first data set of `plan`, once more at every point, and records it.
+/// Runs the detectors once more on the middle scan of `swept`, the first data set of `plan`, at every point, and records it.
 ///
 /// # Errors
 ///
@@ -95,8 +95,7 @@ pub fn record_sweep(
     Ok(())
 }
 
-/// Logs what `detector` makes of the scan of a data set, with the F-rates that it has on all scans, in the order of the
-/// tasks.
+/// Logs the results of `detector` on the scan of a data set, with its F-rates on all scans, in the order of the tasks.
 fn look_again(
     stream: &mut Stream,
     scan: &LabeledScan,
@@ -106,7 +105,7 @@ fn look_again(
     f_rates: impl Iterator<Item = Option<f64>>,
 ) -> Result<(), RecordingError> {
     let mut output = DetectorOutput::default();
-    // Its buffers find their size.
+    // Lets its buffers grow to their size before the time is taken.
     detector.detect(scan, 0.0, &mut output)?;
     let latency = detector.detect(scan, 0.0, &mut output)?.wall;
     let judge = |&task| assign(scan, &output.detections, task, &dataset.annotated, matching);
@@ -139,15 +138,15 @@ fn further(there: &[&SweepScore]) -> Vec<(&'static str, Option<f64>)> {
     cells.iter().flat_map(|it| &it.readings).map(|it| (it.name, it.value)).collect()
 }
 
-/// The points of a sweep on a timeline, which knows whole numbers alone.
+/// The points of a sweep on a timeline, which has whole numbers only.
 struct Steps {
     timeline: String,
-    /// For each point.
+    /// Position of each point on the timeline.
     steps: Vec<i64>,
 }
 
 impl Steps {
-    /// Of one parameter the numbers themselves, lengths in millimetres; otherwise the indices of the points.
+    /// Values of a single parameter, lengths in millimetres, if they are whole numbers; otherwise the indices of the points.
     fn of(swept: &[SweptParameter]) -> Self {
         let n_points: usize = swept.iter().map(|it| it.values.len()).product();
         let indices = Self { timeline: "point".to_owned(), steps: (0..n_points as i64).collect() };
@@ -174,7 +173,7 @@ impl Steps {
         steps
     }
 
-    /// So that two points pass in a second.
+    /// Steps a second at which two points pass, at least 1.
     fn steps_per_s(&self) -> f64 {
         let ascending = self.ascending();
         let reach = ascending.last().zip(ascending.first()).map_or(1, |(last, first)| last.0 - first.0);

@@ -19,14 +19,14 @@ use rerun::sink::{GrpcSink, GrpcSinkConnectionState, LogSink, SinkFlushError};
 
 use super::error::StreamError;
 
-/// So long a viewer may take nothing before it is given up.
+/// Time for which a viewer may take nothing before it is given up.
 const PATIENCE: Duration = Duration::from_secs(3);
-/// So long a viewer that was just started may take until it listens.
+/// Time that a viewer that was just started may take until it listens.
 const STARTUP_PATIENCE: Duration = Duration::from_secs(10);
-/// So long a viewer may take for what is still on its way at the end.
+/// Time that a viewer may take for the data that are still on their way at the end.
 const ENDING_PATIENCE: Duration = Duration::from_secs(5);
 const POLL_INTERVAL: Duration = Duration::from_millis(5);
-/// Messages that wait for the viewer before logging waits for it.
+/// Messages that may wait for the viewer; with more, logging waits.
 const QUEUE_LENGTH: usize = 64;
 
 /// Which viewer to stream to, beside the file.
@@ -67,16 +67,16 @@ impl FromStr for ViewerUrl {
     }
 }
 
-/// How the viewer does.
+/// State of the viewer.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum ViewerState {
     /// None was asked for.
     None,
-    /// It takes what it is sent.
+    /// It takes the messages.
     Connected,
     /// It was given up; the file goes on without it.
     Lost {
-        /// Why.
+        /// The reason.
         reason: String,
     },
 }
@@ -97,7 +97,7 @@ struct Shared {
 /// A recording that is complete and that viewers can still connect to, until this is dropped.
 #[derive(Debug)]
 pub struct ServedRecording {
-    /// Where.
+    /// Its address.
     pub url: String,
     _queue: SyncSender<Parcel>,
 }
@@ -108,7 +108,7 @@ impl Served for ServedRecording {
     }
 }
 
-/// Where messages go.
+/// Receiver of the messages.
 enum Connection {
     /// To one viewer.
     Viewer(GrpcSink),
@@ -166,7 +166,7 @@ impl ViewerLink {
         self.served_at.as_deref()
     }
 
-    /// How the viewer does.
+    /// State of the viewer.
     pub fn state(&self) -> ViewerState {
         self.with(|shared| shared.state.clone())
     }
@@ -297,7 +297,7 @@ fn send_parcels(connection: &Connection, parcels: &Receiver<Parcel>) {
             Parcel::Flush { reply } => {
                 let flushed =
                     connection.sink().flush_blocking(ENDING_PATIENCE).map_err(|error| error.to_string());
-                // Whoever asked may have lost patience.
+                // The recording may have stopped waiting for the reply.
                 let _ = reply.try_send(flushed);
             }
         }

@@ -1,4 +1,4 @@
-//! Rows of a run, gathered one by one: all that its numbers and its page are made of.
+//! Rows of a run, gathered one by one: its numbers and its page are made of them.
 
 use std::collections::BTreeMap;
 
@@ -37,7 +37,7 @@ pub struct GatheredRun {
     first_task: Option<Task>,
 }
 
-/// What was seen around an object, and in which scan.
+/// Points around an object, and its scan.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Surroundings {
     /// Cells with points around it.
@@ -49,7 +49,7 @@ pub struct Surroundings {
 }
 
 impl GatheredRun {
-    /// Nothing yet of the run of `manifest`.
+    /// No rows yet of the run of `manifest`.
     pub fn of(manifest: &Manifest) -> Self {
         let pools = manifest.pools();
         let no_times = || manifest.detectors.iter().map(|it| (it.name.clone(), Vec::new())).collect();
@@ -67,7 +67,7 @@ impl GatheredRun {
         }
     }
 
-    /// Adds what one detector made of one scan in one task.
+    /// Adds the row of one detector on one scan in one task.
     pub fn add_scan(&mut self, row: &ScanRow) {
         self.tally.add_scan(row);
         let ScanOutcome::Evaluated(numbers) = &row.outcome else { return };
@@ -86,7 +86,7 @@ impl GatheredRun {
         }
     }
 
-    /// Adds what became of an object; `surroundings` is asked if it is among the worst.
+    /// Adds the outcome of an object; `surroundings` is called if the object is among the worst.
     pub fn add_match(&mut self, row: &MatchRow, surroundings: impl FnOnce() -> Surroundings) {
         self.tally.add_match(row);
         self.boxes.add(row, &self.worst);
@@ -94,7 +94,7 @@ impl GatheredRun {
         self.reasons.add_match(row);
     }
 
-    /// Adds how long a stage took.
+    /// Adds the time of a stage.
     pub fn add_stage(&mut self, row: &StageRow) {
         self.tally.add_stage(row);
     }

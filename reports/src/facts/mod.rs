@@ -1,4 +1,4 @@
-//! All that is said about a run: gathered row by row, while it goes on or from its directory.
+//! All facts that are shown of a run: gathered row by row, during the run or from its directory.
 
 pub mod seen_boxes;
 pub mod gathered_run;

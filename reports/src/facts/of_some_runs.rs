@@ -1,4 +1,4 @@
-//! What only some runs have: numbers under protocols of others, and scans without labels.
+//! Parts that only some runs have: numbers under protocols of others, and scans without labels.
 
 use std::path::Path;
 
@@ -39,13 +39,13 @@ pub(super) fn read_given_classes(
     Ok(())
 }
 
-/// Nothing where everything is labelled.
+/// How far detectors agree on data sets without labels; empty if all have labels.
 pub(super) fn agreement_of(directory: &Path) -> Result<Vec<AgreementRow>, ArchiveError> {
     let path = directory.join(AGREEMENT_CSV);
     if path.exists() { read_rows(&path) } else { Ok(Vec::new()) }
 }
 
-/// Those on data sets that have labels.
+/// The rankings on data sets that have labels.
 pub(super) fn scored(mut rankings: Vec<TaskRanking>, agreement: &[AgreementRow]) -> Vec<TaskRanking> {
     let is_compared = |it: &String| agreement.iter().any(|row| row.dataset == *it);
     rankings.retain(|it| !it.pool.datasets.iter().all(is_compared));

@@ -1,4 +1,4 @@
-//! All that is said about a run: on its page, in `errors.csv` and on a terminal.
+//! All facts that are shown of a run: on its page, in `errors.csv` and on a terminal.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
@@ -43,7 +43,7 @@ use crate::worst::objects::WorstObjects;
 use crate::worst::points::WorstPoints;
 use crate::worst::recorded::Recordings;
 
-/// What a run leaves beside rows and numbers.
+/// Parts of a run beside its rows and numbers.
 #[derive(Debug, Default)]
 pub struct BesideRows {
     /// Points around the worst mistakes.
@@ -58,7 +58,7 @@ pub struct BesideRows {
     pub has_recording: bool,
 }
 
-/// Why a directory is not that of a run.
+/// Error of a directory that holds no readable run.
 #[derive(Debug, thiserror::Error)]
 pub enum FactsError {
     /// A file of the run cannot be read.
@@ -69,23 +69,23 @@ pub enum FactsError {
     Table(#[from] TableError),
 }
 
-/// All that is said about a run.
+/// All facts that are shown of a run.
 #[derive(Debug)]
 pub struct RunFacts {
-    /// How it came about.
+    /// Manifest of the run.
     pub manifest: Manifest,
     /// The sums.
     pub tally: Tally,
     /// The numbers.
     pub report: RunReport,
-    /// A table of them for each task.
+    /// A table of the numbers for each task.
     pub tables: Vec<TaskTable>,
-    /// In the tasks on data sets that have labels.
+    /// Rankings in the tasks, on data sets that have labels.
     pub(crate) rankings: Vec<TaskRanking>,
     pub(crate) speeds: Vec<Speeds>,
-    /// What is shown of the recorded data sets, and of the simulated ones.
+    /// Facts about the recorded data sets together, and about the simulated ones together.
     pub(crate) pools: Vec<PoolFacts>,
-    /// Data set by data set.
+    /// Curves of each data set and task.
     pub(crate) curves: Vec<DatasetCurves>,
     pub(crate) worst: WorstObjects<Surroundings>,
     /// All boxes of the scans that a worst mistake is in.
@@ -99,7 +99,7 @@ pub struct RunFacts {
     pub(crate) recordings: Option<Recordings>,
     /// Its numbers under protocols of others; `None` if it was evaluated under none.
     pub(crate) protocols: Option<ProtocolReport>,
-    /// Which of their classes any detector gives.
+    /// Classes of these protocols that any detector gives.
     pub(crate) given: GivenClasses,
     /// How far detectors agree where nothing is labelled.
     pub(crate) agreement: Vec<AgreementRow>,
@@ -107,13 +107,13 @@ pub struct RunFacts {
     pub(crate) has_recording: bool,
 }
 
-/// What is shown of all data sets of one origin together.
+/// Facts about all data sets of one origin together.
 #[derive(Debug)]
 pub(crate) struct PoolFacts {
     pub(crate) pool: Pool,
-    /// The blocks of scans that their intervals are drawn from.
+    /// Blocks of scans from which the resamples of the intervals are drawn.
     blocks: Option<BlockCount>,
-    /// Task by task.
+    /// Rates over range, task by task.
     pub(crate) ranges: Vec<TaskRanges>,
     /// Times of all scans in milliseconds, ascending, of every detector.
     pub(crate) times_ms: Vec<(String, Vec<f64>)>,
@@ -128,7 +128,7 @@ pub(crate) struct FailedDetector {
     /// The first of these scans, and why.
     pub(crate) first: (ScanName, String),
     pub(crate) n_failed: u64,
-    /// All its scans.
+    /// All its scans on the data sets that have such a scan.
     pub(crate) n_scans: u64,
 }
 
@@ -151,7 +151,7 @@ pub(crate) struct DatasetCurves {
     pub(crate) task: Task,
     /// Recall and precision, from the highest score on, of every detector.
     pub(crate) of_detectors: Vec<(String, Vec<(f64, f64)>)>,
-    /// What remains from each score on, of every detector.
+    /// Matched and false detections at or above each score, of every detector.
     pub(crate) operating: Vec<(String, Vec<OperatingPoint>)>,
 }
 
@@ -181,7 +181,7 @@ impl RunFacts {
         Ok(Self::of(gathered, beside, manifest, report, &draws)?)
     }
 
-    /// Puts together what was gathered, and the numbers that were made of it with these draws.
+    /// Facts from `gathered` and from `report`, whose numbers were made of it with these `draws`.
     ///
     /// # Errors
     ///
@@ -230,7 +230,7 @@ impl RunFacts {
         !self.manifest.datasets.iter().all(is_compared)
     }
 
-    /// What is to be said of intervals, after `before`; nothing if there is nothing to be said.
+    /// Caveats of the intervals of all pools after the words `before`; empty if there are none.
     pub(crate) fn caveat(&self, before: &str) -> String {
         let caveats = self.pools.iter().filter_map(|it| {
             let on = if self.pools.len() > 1 { format!(" on {}", it.pool.in_words()) } else { String::new() };
@@ -240,7 +240,7 @@ impl RunFacts {
         if caveats.is_empty() { String::new() } else { format!("{before} {}", caveats.join("; ")) }
     }
 
-    /// The name of `pool` in file names and in titles: nothing if there is no other.
+    /// Suffixes that name `pool` in file names and in titles; empty if it is the only pool.
     pub(crate) fn of_pool(&self, pool: &Pool) -> [String; 2] {
         if self.pools.len() > 1 {
             let origin = pool.origin.name();
@@ -250,7 +250,7 @@ impl RunFacts {
         }
     }
 
-    /// What a terminal shows: tables of data sets that have labels, and which detector leads on these.
+    /// The summary for a terminal: tables of data sets that have labels, and which detector leads on these.
     pub fn in_short(&self) -> RunInShort {
         let verdict = self.rankings.iter().map(TaskRanking::short_sentence);
         RunInShort {
@@ -279,7 +279,7 @@ impl RunFacts {
 }
 
 impl PoolFacts {
-    /// What is shown of `pool`, whose scans took the detectors `times_ms`.
+    /// Facts about `pool`; `times_ms` are the times of its scans by detector.
     fn of(
         pool: Pool,
         mut times_ms: Vec<(String, Vec<f64>)>,
@@ -302,12 +302,12 @@ impl PoolFacts {
         }
     }
 
-    /// What is to be said of intervals; `None` if nothing is.
+    /// Caveat of the intervals; `None` if there is none.
     pub(crate) fn caveat_of_intervals(&self) -> Option<String> {
         self.blocks.and_then(BlockCount::caveat_of_conclusions)
     }
 
-    /// The same after `before`; nothing if there is nothing to be said.
+    /// Caveat of the intervals after the words `before`; empty if there is none.
     pub(crate) fn caveat(&self, before: &str) -> String {
         self.caveat_of_intervals().map_or_else(String::new, |it| format!("{before} {it}"))
     }
@@ -326,14 +326,14 @@ fn task_ranges(
     let dataset = pool.extent.name();
     let sample =
         |detector: &str, slice: Slice| tally.sample(&Question { dataset, task, detector, slice }, draws);
-    // They are the same for every detector.
+    // Annotations are the same for every detector.
     let n_annotations = |slice: &Slice| {
         let of_detectors = detectors.iter().filter_map(|it| sample(it, *slice));
         of_detectors.map(|it| it.total.of(Term::Annotations) as u64).max().unwrap_or(0)
     };
     let n_annotations: Vec<u64> = slices.iter().map(n_annotations).collect();
     let rate = |detector: &str, (bin, slice): (u32, &Slice), metric: &Metric| {
-        // Where nothing is annotated a single false detection would be a precision and an F-rate of 0.
+        // Without annotations, a single false detection would give a precision and an F-rate of 0.
         let sample = sample(detector, *slice).filter(|_| n_annotations[bin as usize] > 0)?;
         let within = Distribution::new(sample.resampled_values(metric), sample.blocks)
             .map(|it| it.interval().ends.map(|it| 100.0 * it));
@@ -348,7 +348,7 @@ fn task_ranges(
     };
     let rates = [("precision", Metric::Precision), ("recall", Metric::Recall), ("F-rate", Metric::FRate)];
     let rates = rates.into_iter().map(|(name, metric)| (name, of_detectors(&metric)));
-    // What is undefined everywhere, as precision where false objects are unknown, is not drawn.
+    // A rate that is undefined in all bins is not drawn, such as precision where false objects are unknown.
     let is_defined =
         |(_, rates): &(_, Vec<Series>)| rates.iter().flat_map(|it| &it.positions).any(Option::is_some);
     let rates: Vec<_> = rates.filter(is_defined).collect();

@@ -1,4 +1,4 @@
-//! The boxes of scans that a worst mistake is in.
+//! The boxes of the scans with worst mistakes.
 
 use std::collections::BTreeMap;
 
@@ -18,7 +18,7 @@ pub(crate) struct SeenBox {
     pub(crate) bounding_box: BoxFacts,
 }
 
-/// All boxes of the scans that a worst mistake is in; each annotation once for every task. Rows of a scan follow each other.
+/// All boxes of the scans with worst mistakes, each annotation once per task. The rows of a scan must be consecutive.
 #[derive(Debug, Clone, Default)]
 pub(crate) struct SeenBoxes {
     of_scan: BTreeMap<ScanName, Vec<SeenBox>>,
@@ -27,7 +27,7 @@ pub(crate) struct SeenBoxes {
 }
 
 impl SeenBoxes {
-    /// Adds the boxes of a row, where `worst` has the rows before it.
+    /// Adds the boxes of a row; `worst` must hold all rows before it.
     pub(crate) fn add<T>(&mut self, row: &MatchRow, worst: &WorstObjects<T>) {
         let is_of_row =
             |it: &ScanName| it.scan == row.scan && it.sequence == row.sequence && it.dataset == row.dataset;
@@ -60,7 +60,7 @@ impl SeenBoxes {
         }
     }
 
-    /// The boxes by scan, where `worst` has all rows.
+    /// The boxes by scan; `worst` must hold all rows.
     pub(crate) fn finish<T>(mut self, worst: &WorstObjects<T>) -> BTreeMap<ScanName, Vec<SeenBox>> {
         self.keep_latest(worst);
         let mut of_scan = BTreeMap::new();

@@ -1,4 +1,4 @@
-//! What the files of a run have in common: their version, and the ways in which reading and writing them fails.
+//! Shared parts of the files of a run: their version, and the errors of reading and writing them.
 
 use std::path::{Path, PathBuf};
 
@@ -14,7 +14,7 @@ pub const SCHEMA: u32 = 1;
 /// The largest JSON file of a run, in bytes: that of a year of drives has some megabytes.
 const MOST_OF_JSON: u64 = 1 << 28;
 
-/// Why a file of a run cannot be read or written.
+/// Error of reading or writing a file of a run.
 #[derive(Debug, thiserror::Error)]
 pub enum ArchiveError {
     /// The operating system refused to read.
@@ -22,7 +22,7 @@ pub enum ArchiveError {
     Read {
         /// The file.
         path: PathBuf,
-        /// What it said.
+        /// Error of the operating system.
         source: std::io::Error,
     },
     /// The operating system refused to write.
@@ -30,7 +30,7 @@ pub enum ArchiveError {
     Write {
         /// The file.
         path: PathBuf,
-        /// What it said.
+        /// Error of the operating system.
         source: std::io::Error,
     },
     /// The file was written by another version of this program.
@@ -84,7 +84,7 @@ pub fn pretty_json(value: &(impl Serialize + ?Sized)) -> String {
     serde_json::to_string_pretty(value).expect("keys are text and numbers finite") + "\n"
 }
 
-/// Reads a JSON file whose top level says under `schema` which layout it has.
+/// Reads a JSON file that names the version of its layout as `schema` at its top level.
 ///
 /// # Errors
 ///
@@ -98,7 +98,7 @@ pub(crate) fn read_json<T: DeserializeOwned>(path: &Path) -> Result<T, ArchiveEr
     let damaged = |source| ArchiveError::Json { path: path.to_path_buf(), source };
     let text = read_text(path, MOST_OF_JSON)
         .map_err(|source| ArchiveError::Read { path: path.to_path_buf(), source })?;
-    // The version is looked at first, so that a newer file is called newer and not damaged.
+    // The version is checked first, so that a newer file is called newer and not damaged.
     let SchemaOnly { schema } = serde_json::from_str(&text).map_err(damaged)?;
     if schema != SCHEMA {
         return Err(ArchiveError::Schema { path: path.to_path_buf(), expected: SCHEMA, found: schema });

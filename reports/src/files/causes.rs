@@ -2,7 +2,7 @@
 
 use std::error::Error;
 
-/// The message of `error` and those of all that caused it, in a line.
+/// The message of `error` and those of all its causes, in a line.
 ///
 /// ```
 /// use reports::files::archive::ArchiveError;

@@ -1,4 +1,4 @@
-//! Names that are taken before there is anything of that name.
+//! Names that are claimed before a file or folder has them.
 
 use std::fs::{File, TryLockError};
 use std::io;
@@ -8,10 +8,10 @@ use crate::files::new_file::open_to_add;
 use crate::files::unfinished::{Kind, Unfinished};
 use crate::files::whole_file::folder_of;
 
-/// A name in a folder that no other program claims while this lives.
+/// A name in a folder that no other program can claim while this lives.
 ///
-/// It is a lock on a hidden file beside the name, which the system lifts whatever ends the program. The file goes when this
-/// is dropped.
+/// It is a lock on a hidden file beside the name. The system lifts it however the program ends. The file is removed when
+/// this is dropped.
 #[derive(Debug)]
 #[must_use = "a name is claimed for as long as this lives"]
 pub struct ClaimedName {
@@ -22,7 +22,7 @@ pub struct ClaimedName {
 }
 
 impl ClaimedName {
-    /// Claims the name of `target`, whose folder must exist; `None` if somebody else has.
+    /// Claims the name of `target`, whose folder must exist; `None` if it is already claimed.
     ///
     /// # Errors
     ///
@@ -40,7 +40,7 @@ impl ClaimedName {
 
 impl Drop for ClaimedName {
     fn drop(&mut self) {
-        // What cannot be removed is an empty hidden file.
+        // If this fails, only an empty hidden file stays.
         let _ = self.unfinished.undisturbed(|| std::fs::remove_file(&self.lock_file));
     }
 }
@@ -57,7 +57,7 @@ fn locked(path: &Path) -> io::Result<File> {
             Err(TryLockError::WouldBlock) => return Err(io::ErrorKind::WouldBlock.into()),
             Ok(()) | Err(TryLockError::Error(_)) => {}
         }
-        // Whoever had the lock until now has removed the file: then this is a lock on nothing.
+        // The previous holder of the lock may have removed the file: then this locks nothing.
         if is_at(&file, path)? {
             return Ok(file);
         }
@@ -76,7 +76,7 @@ fn is_at(file: &File, path: &Path) -> io::Result<bool> {
     }
 }
 
-/// Elsewhere a file that is open keeps its name.
+/// On other systems an open file keeps its name.
 #[cfg(not(unix))]
 fn is_at(_: &File, _: &Path) -> io::Result<bool> {
     Ok(true)

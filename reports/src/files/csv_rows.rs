@@ -18,23 +18,23 @@ pub const MOST_OF_LINE: u64 = 1 << 20;
 pub trait CsvRow: Serialize + DeserializeOwned {
     /// The columns, in order; units are in the names.
     const COLUMNS: &'static [&'static str];
-    /// The same by field, with what is known of each.
+    /// The columns by field, with type and documentation.
     const FIELDS: &'static [CsvField] = &[];
 }
 
-/// What a field of a row is, for whoever reads the file.
+/// Documentation of a field of a row, for readers of the file.
 #[derive(Debug, Clone, Copy)]
 pub struct CsvField {
     /// Its columns.
     pub columns: &'static [&'static str],
     /// The type in Rust of a value, or of all of them.
     pub kind: &'static str,
-    /// What it is, where its name does not suffice; a line for each line.
+    /// Its meaning, if the name does not suffice; a string for each line.
     pub doc: &'static [&'static str],
 }
 
-/// Declares a struct whose fields are the columns of a row, in order: its own, or that of the type named before, which is
-/// written as it. A field of several columns, such as an array, has their names behind it.
+/// Declares a struct whose fields are the columns of a row, in order. After `for Row:` they are the columns of the type
+/// `Row`, which is written as the struct. A field of several columns, such as an array, has their names behind it.
 macro_rules! row {
     ($(#[$of_struct:meta])* $visible:vis struct $name:ident { $($fields:tt)* }) => {
         row! { for $name: $(#[$of_struct])* $visible struct $name { $($fields)* } }
@@ -115,7 +115,7 @@ impl<Row: CsvRow> CsvRowWriter<Row> {
     }
 }
 
-/// Rows as the content of a CSV file, for where it does not become one.
+/// Rows as the content of a CSV file, without writing a file.
 ///
 /// # Errors
 ///
@@ -196,7 +196,7 @@ pub fn csv_head<Row: CsvRow>() -> Vec<u8> {
     line
 }
 
-/// A full disk is not the fault of the row.
+/// The error of writing to `path`: a full disk is not the fault of the row.
 fn not_written(path: &Path, error: csv::Error) -> ArchiveError {
     let path = path.to_path_buf();
     if !error.is_io_error() {
@@ -231,7 +231,7 @@ pub fn each_row<Row: CsvRow>(path: &Path, on_row: impl FnMut(Row)) -> Result<(),
     each_row_of(file, path, on_row)
 }
 
-/// The same of what `reader` gives, which is called `path`.
+/// Hands the rows of a CSV file from `reader` to `on_row`, one after the other. Errors call it `path`.
 ///
 /// # Errors
 ///
@@ -253,7 +253,7 @@ pub fn each_row_of<Row: CsvRow>(
     }
     let mut record = csv::StringRecord::new();
     while reader.read_record(&mut record).map_err(bad_row)? {
-        // By their indices, which the check above makes sure of.
+        // Fields are read by index: the check above has made sure of the columns.
         on_row(record.deserialize(None).map_err(bad_row)?);
     }
     Ok(())
@@ -268,7 +268,7 @@ pub(crate) mod tests {
         String::from_utf8(to_csv_bytes(rows).unwrap()).unwrap()
     }
 
-    /// The rows of such a text, or what is wrong with it.
+    /// The rows of such a text, or its error.
     pub(crate) fn rows_of<Row: CsvRow>(text: &str) -> Result<Vec<Row>, String> {
         let mut rows = Vec::new();
         let read = each_row_of(text.as_bytes(), Path::new("rows.csv"), |row| rows.push(row));

@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize, Serializer};
 
-/// `value` with `decimals` decimals; what rounds to zero has no sign.
+/// `value` with `decimals` decimals; a value that rounds to zero has no sign.
 pub fn fixed_decimals(value: f64, decimals: usize) -> String {
     let text = format!("{value:.decimals$}");
     match text.strip_prefix('-') {
@@ -31,10 +31,10 @@ pub fn signed_percent(share: f64) -> String {
     format!("{}{}", if share > 0.0 { "+" } else { "" }, percent(share))
 }
 
-/// `value` with three digits that count, but never without those before the decimal point.
+/// `value` with three significant digits, but with all digits before the decimal point.
 pub(crate) fn three_digits(value: f64) -> String {
     let magnitude = if value == 0.0 { 0 } else { value.abs().log10().floor() as i32 };
-    // Rounding up to the next power of ten brings a digit too many, which says nothing wrong.
+    // Rounding up to the next power of ten gives a digit too many, which is harmless.
     fixed_decimals(value, (2 - magnitude).max(0) as usize)
 }
 
@@ -44,9 +44,9 @@ pub(crate) fn three_digits(value: f64) -> String {
 pub(crate) struct Fixed<const DECIMALS: usize>(pub(crate) f64);
 
 impl<const DECIMALS: usize> Fixed<DECIMALS> {
-    /// `value` as whoever reads it back has it.
+    /// `value` as it reads back from a file.
     pub(crate) fn rounded(value: f64) -> Self {
-        // What is no number is refused when it is written.
+        // A value that is no number is refused when it is written.
         Self(fixed_decimals(value, DECIMALS).parse().unwrap_or(value))
     }
 }

@@ -1,4 +1,4 @@
-//! Hidden folders of what is not finished.
+//! Hidden folders for unfinished results.
 
 use std::io;
 use std::path::Path;
@@ -8,7 +8,7 @@ use tempfile::TempDir;
 use super::unfinished::{Kind, Unfinished};
 use super::whole_file::folder_of;
 
-/// A hidden folder that goes with all that is in it once this is dropped, or somebody ends the program.
+/// A hidden folder that is removed with its content when this is dropped or the program is interrupted.
 #[derive(Debug)]
 #[must_use = "the folder goes when this is dropped"]
 pub struct HiddenFolder {
@@ -18,7 +18,7 @@ pub struct HiddenFolder {
 }
 
 impl HiddenFolder {
-    /// One beside `target`, whose name says what is in it: `state`, such as `partial`.
+    /// Makes a hidden folder beside `target`. Its name contains `state`, such as `partial`.
     ///
     /// # Errors
     ///
@@ -31,7 +31,7 @@ impl HiddenFolder {
         #[cfg(unix)]
         {
             use std::os::unix::fs::PermissionsExt as _;
-            // As for any other folder: the umask decides who may look into it.
+            // As for any other folder, the umask decides about access.
             builder.permissions(std::fs::Permissions::from_mode(0o777));
         }
         let make = || builder.tempdir_in(folder_of(target));
@@ -39,12 +39,12 @@ impl HiddenFolder {
         Ok(Self { folder, unfinished })
     }
 
-    /// Where it is.
+    /// Path of the folder.
     pub fn path(&self) -> &Path {
         self.folder.path()
     }
 
-    /// Does `step`, such as giving it its name, and nothing is removed meanwhile.
+    /// Runs `step`, such as renaming the folder; nothing is removed meanwhile.
     pub fn undisturbed<T>(&self, step: impl FnOnce() -> T) -> T {
         self.unfinished.undisturbed(step)
     }

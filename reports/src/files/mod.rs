@@ -1,4 +1,4 @@
-//! How files are opened, and written whole or not at all.
+//! Files: how they are opened, and written whole or not at all.
 
 pub mod shown_text;
 pub mod causes;

@@ -1,13 +1,13 @@
-//! The door through which files are opened for writing.
+//! Opening of files for writing, never through a link.
 //!
-//! The folder that a user names may be a link. What lies in it may come from somebody else, and nothing is written through
-//! a link there. A [whole file](super::whole_file) needs no such door: it replaces the link.
+//! The folder that a user names may be a link. Its entries may come from other people, and nothing is written through a
+//! link there. A [whole file](super::whole_file) does not need these functions: it replaces the link.
 
 use std::fs::{File, Metadata, OpenOptions};
 use std::io;
 use std::path::{Path, PathBuf};
 
-/// Creates the file `path`. A file or link of that name goes; what it leads to stays as it is.
+/// Creates the file `path`. A file or link of that name is removed; the target of the link stays as it is.
 ///
 /// # Errors
 ///
@@ -22,7 +22,7 @@ pub fn create_file(path: &Path) -> io::Result<File> {
     OpenOptions::new().write(true).create_new(true).open(path)
 }
 
-/// Opens the file `path`, made if it is not there, to read it and to add to it.
+/// Opens the file `path` to read it and to append to it. It is made if it is missing.
 ///
 /// # Errors
 ///
@@ -42,7 +42,7 @@ pub fn open_to_add(path: &Path) -> io::Result<File> {
         options.custom_flags((OFlags::NOFOLLOW | OFlags::NONBLOCK | OFlags::NOCTTY).bits() as i32);
     }
     let file = options.read(true).append(true).create(true).open(path)?;
-    // Another thing may have taken the name since.
+    // Something else may have taken the name since.
     refuse_other_than_one_file(&file.metadata()?)?;
     Ok(file)
 }
@@ -68,7 +68,7 @@ pub fn make_folder(folder: &Path, name: impl AsRef<Path>) -> io::Result<PathBuf>
     }
 }
 
-/// Gives the file `from` the name `to`, too; where that cannot be, makes a second file. What is there already stays.
+/// Gives the file `from` the second name `to`, or copies it where links are impossible. An existing `to` stays.
 ///
 /// # Errors
 ///

@@ -1,4 +1,4 @@
-//! Folders that are made on the way to a result, and go again if there is none.
+//! Folders that are made for a result, and removed again if there is none.
 
 use std::io;
 use std::path::{Path, PathBuf};
@@ -17,7 +17,7 @@ struct NewFolder {
 }
 
 impl NewFolders {
-    /// Makes `folder` and all that is missing above it.
+    /// Makes `folder` and all missing folders above it.
     ///
     /// # Errors
     ///
@@ -33,12 +33,12 @@ impl NewFolders {
                     let folder = NewFolder { path: path.to_path_buf(), _unfinished: unfinished };
                     new_folders.0.insert(0, folder);
                 }
-                // Somebody else needs it, too.
+                // Another thread or program has made it meanwhile.
                 Err(error) if error.kind() == io::ErrorKind::AlreadyExists && path.is_dir() => {}
                 Err(error) => return Err(error),
             }
         }
-        // What is there and no folder is an error.
+        // Fails if there is something other than a folder.
         std::fs::create_dir_all(folder)?;
         Ok(new_folders)
     }

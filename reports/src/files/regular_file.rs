@@ -1,13 +1,13 @@
-//! The door through which files are read.
+//! Opening of regular files for reading.
 //!
-//! A file of others may be a pipe that never ends or a device without an end. Only regular files are opened, and only what
-//! they had at that time is read.
+//! A file from other people may be a pipe that never ends or a device without an end. Only regular files are opened, and
+//! only the bytes that they had at that time are read.
 
 use std::fs::{File, FileType, Metadata, OpenOptions};
 use std::io::{self, Read, Seek, SeekFrom};
 use std::path::Path;
 
-/// The largest file of settings, in bytes: one that a person has written.
+/// The largest file of settings, in bytes: people write them by hand.
 pub const MOST_OF_SETTINGS: u64 = 1 << 24;
 /// The largest file of a trained model, in bytes.
 pub const MOST_OF_MODEL: u64 = 1 << 30;
@@ -21,16 +21,16 @@ pub struct RegularFile {
 }
 
 impl RegularFile {
-    /// Opens the file at `path`, wherever links lead.
+    /// Opens the file at `path`; links are followed.
     ///
     /// # Errors
     ///
     /// If it is a folder, a pipe, a device or a socket, or if the operating system refuses.
     pub fn open(path: &Path) -> io::Result<Self> {
-        // Opening a device can do something, and opening a pipe waits.
+        // Opening a device can have effects, and opening a pipe waits.
         refuse_irregular(&std::fs::metadata(path)?)?;
         let file = open_at_once(path)?;
-        // Another thing may have taken the name since.
+        // Something else may have taken the name since.
         let metadata = file.metadata()?;
         refuse_irregular(&metadata)?;
         Ok(Self { file, n_bytes: metadata.len(), position: 0 })
@@ -59,13 +59,13 @@ impl Seek for RegularFile {
     }
 }
 
-/// All of the regular file at `path`, which may have `n_most_bytes`.
+/// All bytes of the regular file at `path`, at most `n_most_bytes`.
 ///
-/// Read, not mapped into memory: a mapped file that another program cuts off ends the process.
+/// The file is read, not mapped into memory: if another program cut a mapped file off, the process would end.
 ///
 /// # Errors
 ///
-/// As [`RegularFile::open`], or if it has more bytes or the memory does not suffice.
+/// As [`RegularFile::open`], or if the file has more bytes or the memory does not suffice.
 pub fn read_bytes(path: &Path, n_most_bytes: u64) -> io::Result<Vec<u8>> {
     let mut file = RegularFile::open(path)?;
     let n_bytes = file.n_bytes();
@@ -78,7 +78,7 @@ pub fn read_bytes(path: &Path, n_most_bytes: u64) -> io::Result<Vec<u8>> {
     Ok(bytes)
 }
 
-/// The same as text.
+/// The text of the regular file at `path`, at most `n_most_bytes` long.
 ///
 /// # Errors
 ///
@@ -87,8 +87,8 @@ pub fn read_text(path: &Path, n_most_bytes: u64) -> io::Result<String> {
     text_of(read_bytes(path, n_most_bytes)?)
 }
 
-/// The settings at `path`, which the user has named: those of a regular file or, as `<(…)` of a shell gives them, of a pipe;
-/// `/dev/null` has none.
+/// The settings at `path`, which the user has named: a regular file, or a pipe as made by `<(…)` of a shell; `/dev/null`
+/// has none.
 ///
 /// # Errors
 ///
@@ -98,7 +98,7 @@ pub fn read_settings(path: &Path) -> io::Result<Vec<u8>> {
     if !is_pipe(file_type) && !is_null_device(path) {
         return read_bytes(path, MOST_OF_SETTINGS);
     }
-    // A pipe that nobody writes to has ended.
+    // A pipe without writers has ended.
     let file = open_at_once(path)?;
     wait_for_writers(&file)?;
     let mut bytes = Vec::new();
@@ -112,7 +112,7 @@ pub fn read_settings(path: &Path) -> io::Result<Vec<u8>> {
     Ok(bytes)
 }
 
-/// The same as text.
+/// The settings at `path` as text.
 ///
 /// # Errors
 ///
@@ -121,8 +121,8 @@ pub fn read_settings_text(path: &Path) -> io::Result<String> {
     text_of(read_settings(path)?)
 }
 
-/// A reader that fails at a line of more than `n_most_bytes`: one of zeros takes a disk nothing, and the memory of whoever
-/// waits for its end.
+/// A reader that fails at a line of more than `n_most_bytes`: a line of zeros takes no room on a disk, but all the memory
+/// of a program that waits for its end.
 #[derive(Debug)]
 pub struct BoundedLines<R> {
     reader: R,
@@ -131,7 +131,7 @@ pub struct BoundedLines<R> {
 }
 
 impl<R: Read> BoundedLines<R> {
-    /// That of what `reader` gives.
+    /// Bounds the lines of `reader`.
     pub fn new(reader: R, n_most_bytes: u64) -> Self {
         Self { reader, n_most_bytes, n_in_line: 0 }
     }
@@ -172,7 +172,7 @@ fn too_large(what: &str, n_most_bytes: u64) -> io::Error {
     io::Error::new(io::ErrorKind::FileTooLarge, problem)
 }
 
-/// Fails with what it is instead of a regular file.
+/// Fails for anything but a regular file; the error names what it is.
 fn refuse_irregular(metadata: &Metadata) -> io::Result<()> {
     if metadata.is_file() {
         return Ok(());
@@ -196,12 +196,12 @@ fn is_pipe(_: FileType) -> bool {
     false
 }
 
-/// Whether `path` leads to the device that takes everything and has nothing.
+/// Whether `path` leads to `/dev/null`.
 fn is_null_device(path: &Path) -> bool {
     cfg!(unix) && std::fs::canonicalize(path).is_ok_and(|it| it == Path::new("/dev/null"))
 }
 
-/// Opens the file at `path` for reading, without waiting for whoever writes to a pipe.
+/// Opens the file at `path` for reading, without waiting for the writers of a pipe.
 fn open_at_once(path: &Path) -> io::Result<File> {
     let mut options = OpenOptions::new();
     #[cfg(unix)]
@@ -214,7 +214,7 @@ fn open_at_once(path: &Path) -> io::Result<File> {
     options.read(true).open(path)
 }
 
-/// From now on a pipe is waited for.
+/// Makes reads of a pipe wait for its writers from now on.
 #[cfg(unix)]
 fn wait_for_writers(file: &File) -> io::Result<()> {
     use rustix::fs::{OFlags, fcntl_getfl, fcntl_setfl};
@@ -244,7 +244,7 @@ mod tests {
         assert_eq!(read_text(&path, 3).unwrap(), "abc");
         check_refused(read_bytes(&path, 2), "it has 3 bytes, but 2 bytes are the most that is read");
         let mut file = RegularFile::open(&path).unwrap();
-        // What is added meanwhile is not read.
+        // Bytes that are added after opening are not read.
         std::fs::write(&path, "abcdef").unwrap();
         let mut bytes = Vec::new();
         file.read_to_end(&mut bytes).unwrap();
@@ -317,7 +317,7 @@ mod tests {
         let (reader, mut writer) = io::pipe().unwrap();
         let path = format!("/proc/self/fd/{}", reader.as_raw_fd());
         let written = std::thread::spawn(move || {
-            // Later than it is asked for.
+            // Later than the read begins.
             std::thread::sleep(std::time::Duration::from_millis(20));
             writer.write_all(b"jobs = 2").unwrap();
         });

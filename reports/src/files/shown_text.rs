@@ -1,7 +1,7 @@
-//! Text of others, as it is shown.
+//! Text from files and programs, as it is shown.
 //!
-//! A name that ends up in results (a data set, a drive, a sensor) is refused if it holds a control character. Whatever else
-//! a file or a program says is shown with control characters escaped, and cut if it has no end.
+//! A name that ends up in results (a data set, a drive, a sensor) is refused if it holds a control character. All other text
+//! of a file or a program is shown with control characters escaped, and cut if it is too long.
 
 use std::borrow::Cow;
 use std::fmt::Write as _;
@@ -9,9 +9,9 @@ use std::fmt::Write as _;
 use serde::de::Error as _;
 use serde::{Deserialize as _, Deserializer};
 
-/// So many characters of a text are shown.
+/// Number of characters of a text that are shown.
 const MOST_SHOWN_CHARS: usize = 2000;
-/// The same of all that is said at once, which may quote several texts.
+/// Number of characters of a message that are shown; it may quote several texts.
 const MOST_SAID_CHARS: usize = 20_000;
 
 /// `text` with its control characters as `\n` or `\u{1b}`, cut after two thousand characters.
@@ -19,12 +19,12 @@ pub fn shown(text: &str) -> Cow<'_, str> {
     escaped(text, is_printable, MOST_SHOWN_CHARS)
 }
 
-/// The same of a text of several lines, which stay, cut after twenty thousand characters.
+/// As [`shown`] for a text of several lines: line breaks and tabs stay, and it is cut after twenty thousand characters.
 pub fn shown_lines(text: &str) -> Cow<'_, str> {
     escaped(text, |it| it == '\n' || it == '\t' || is_printable(it), MOST_SAID_CHARS)
 }
 
-/// The same, however long it is.
+/// As [`shown_lines`], but never cut.
 pub fn printable_lines(text: &str) -> Cow<'_, str> {
     escaped(text, |it| it == '\n' || it == '\t' || is_printable(it), usize::MAX)
 }
@@ -51,11 +51,11 @@ fn escaped(text: &str, stays: impl Fn(char) -> bool, n_most_chars: usize) -> Cow
     Cow::Owned(shown)
 }
 
-/// A name of a data set, a drive or a detector, which has no control character.
+/// Reads the name of a data set, a drive or a detector, which must have no control character.
 ///
 /// # Errors
 ///
-/// If it has one, which the error shows.
+/// If the name has one; the error shows it.
 pub(crate) fn printable_name<'de, D: Deserializer<'de>>(deserializer: D) -> Result<String, D::Error> {
     let name = String::deserialize(deserializer)?;
     if name.chars().all(is_printable) {

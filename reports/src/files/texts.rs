@@ -1,6 +1,6 @@
-//! What tests ask of texts.
+//! Checks of texts in tests.
 
-/// Makes sure that `text` has all `parts`.
+/// Checks that `text` contains all `parts`.
 #[track_caller]
 pub(crate) fn check_holds(text: &str, parts: &[&str]) {
     for part in parts {

@@ -1,7 +1,7 @@
-//! What is on the disk and not finished, for whoever has to end the program in the middle.
+//! Registry of unfinished files and folders on the disk, so that they can be removed when the program is interrupted.
 //!
-//! Making, naming and removing such things go one at a time through one lock, so that whoever holds it sees all of them,
-//! each either unfinished or finished. Nothing that takes long belongs under it.
+//! They are made, named and removed one at a time under one lock, so that its holder sees all of them, each either
+//! unfinished or finished. Nothing that takes long belongs under the lock.
 
 use std::io;
 use std::path::PathBuf;
@@ -9,13 +9,13 @@ use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::{Mutex, MutexGuard, PoisonError, TryLockError};
 use std::time::{Duration, Instant};
 
-/// Everything unfinished, in the order in which it was begun.
+/// All unfinished files and folders, in the order in which they were begun.
 static UNFINISHED: Mutex<Vec<Entry>> = Mutex::new(Vec::new());
 static N_BEGUN: AtomicU64 = AtomicU64::new(0);
 
-/// Removing waits this long for somebody who is about to make or to name something: for ever only where a disk hangs.
+/// Longest that removing waits for a thread that makes or names something: only a disk that hangs takes longer.
 const LONGEST_WAIT: Duration = Duration::from_secs(5);
-/// How often a folder is emptied again, because somebody has made a file in it meanwhile.
+/// How often a folder is emptied again, because another thread has made a file in it meanwhile.
 const MOST_ATTEMPTS: usize = 100;
 
 #[derive(Debug)]
@@ -25,18 +25,18 @@ struct Entry {
     kind: Kind,
 }
 
-/// What is to be removed.
+/// Kind of an unfinished entry, and so how it is removed.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Kind {
     /// A file.
     File,
-    /// A folder with all that is in it.
+    /// A folder with its content.
     Folder,
-    /// A folder if nothing is in it.
+    /// A folder if it is empty.
     EmptyFolder,
 }
 
-/// Something unfinished, for as long as this lives.
+/// An unfinished file or folder, registered for as long as this lives.
 #[derive(Debug)]
 #[must_use = "what is not registered is not removed"]
 pub struct Unfinished {
@@ -44,11 +44,11 @@ pub struct Unfinished {
 }
 
 impl Unfinished {
-    /// Makes something unfinished, which `path_of` finds, in one step with registering it.
+    /// Makes something and registers it as unfinished, in one step; `path_of` returns its path.
     ///
     /// # Errors
     ///
-    /// What `make` returns.
+    /// The error of `make`, or if the path cannot be made absolute.
     pub fn begin<T>(
         kind: Kind,
         make: impl FnOnce() -> io::Result<T>,
@@ -56,14 +56,14 @@ impl Unfinished {
     ) -> io::Result<(Self, T)> {
         let mut entries = lock();
         let made = make()?;
-        // A program may change its folder.
+        // A program may change its working folder.
         let path = std::path::absolute(path_of(&made))?;
         let number = N_BEGUN.fetch_add(1, Ordering::Relaxed);
         entries.push(Entry { number, path, kind });
         Ok((Self { number }, made))
     }
 
-    /// Does `step`, such as writing to it or giving it its name, and nothing is removed meanwhile.
+    /// Runs `step`, such as writing or renaming; nothing is removed meanwhile.
     pub fn undisturbed<T>(&self, step: impl FnOnce() -> T) -> T {
         let _entries = lock();
         step()
@@ -77,12 +77,12 @@ impl Drop for Unfinished {
 }
 
 fn lock() -> MutexGuard<'static, Vec<Entry>> {
-    // A panic while it was held leaves a list that is complete all the same.
+    // The list is complete even after a panic under the lock.
     UNFINISHED.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
-/// Removes everything unfinished, the latest first. From then on nothing can be begun or finished: whoever tries waits for
-/// the end of the program.
+/// Removes everything unfinished, the latest first. From then on nothing can be begun or finished: a thread that tries
+/// waits for the end of the program.
 pub fn remove_for_good() {
     let Some(mut entries) = lock_before(Instant::now() + LONGEST_WAIT) else { return };
     while let Some(entry) = entries.pop() {
@@ -91,7 +91,7 @@ pub fn remove_for_good() {
     std::mem::forget(entries);
 }
 
-/// Leaves everything as it is for good: [`remove_for_good`], if somebody calls it from now on, does nothing.
+/// Leaves everything as it is for good: a later call of [`remove_for_good`] does nothing.
 pub fn keep_for_good() {
     std::mem::forget(lock());
 }
@@ -108,7 +108,7 @@ fn lock_before(deadline: Instant) -> Option<MutexGuard<'static, Vec<Entry>>> {
 }
 
 impl Entry {
-    /// What fails is not reported: nobody is left to read it.
+    /// Removes the entry. Errors are not reported: the program is about to end.
     fn remove(&self) {
         match self.kind {
             Kind::File => {

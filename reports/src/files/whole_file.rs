@@ -9,10 +9,10 @@ use tempfile::NamedTempFile;
 use crate::files::archive::ArchiveError;
 use crate::files::unfinished::{Kind, Unfinished};
 
-/// How the names of hidden files begin.
+/// Prefix of the names of hidden files.
 const UNFINISHED_PREFIX: &str = ".partial-";
 
-/// Whether a file of this name is one that was never completed, as where a program was killed.
+/// Whether a file of this name was never completed, as after a program was killed.
 pub fn is_unfinished_file(name: &OsStr) -> bool {
     name.as_encoded_bytes().starts_with(UNFINISHED_PREFIX.as_bytes())
 }
@@ -40,7 +40,7 @@ impl WholeFile {
         #[cfg(unix)]
         {
             use std::os::unix::fs::PermissionsExt as _;
-            // As for any other file: the umask decides who may read it.
+            // As for any other file, the umask decides about access.
             builder.permissions(std::fs::Permissions::from_mode(0o666));
         }
         let make = || builder.tempfile_in(folder_of(path));
@@ -54,11 +54,11 @@ impl WholeFile {
         &self.path
     }
 
-    /// Brings the content to the disk and the file to its name; a file of that name is replaced.
+    /// Brings the content to the disk and gives the file its name; a file of that name is replaced.
     ///
     /// # Errors
     ///
-    /// [`ArchiveError::Write`] if the disk does not take it; what was there before is untouched then.
+    /// [`ArchiveError::Write`] if the disk does not take it; then an earlier file is untouched.
     pub fn finish(self) -> Result<(), ArchiveError> {
         let Self { writer, unfinished, path } = self;
         let persist = || -> io::Result<()> {
@@ -81,7 +81,7 @@ impl Write for WholeFile {
     }
 }
 
-/// What went wrong, without the passing name of the file that `tempfile` adds: ours is in the error around it.
+/// `error` without the temporary name of the file, which `tempfile` adds: the error around it has the final name.
 fn without_path(error: io::Error) -> io::Error {
     if error.raw_os_error().is_some() { error } else { error.kind().into() }
 }

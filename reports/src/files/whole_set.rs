@@ -11,7 +11,7 @@ use crate::files::whole_file::{folder_of, write_whole};
 
 /// Files and folders that take their names in a folder together.
 ///
-/// Until [`Self::finish`] they are in a hidden folder there, which is removed when this is dropped. So is the folder itself
+/// Until [`Self::finish`] they are in a hidden folder there, which is removed when this is dropped. So is the folder itself,
 /// if it was made for them.
 #[derive(Debug)]
 #[must_use = "what is not finished is thrown away"]
@@ -52,7 +52,7 @@ impl WholeSet {
         let made = std::fs::create_dir_all(folder_of(&path));
         let made = made.map_err(|source| ArchiveError::Write { path: path.clone(), source });
         made.and_then(|()| write_whole(&path, content)).map_err(|error| match error {
-            // The name that it would have had, not the passing one.
+            // The final name, not the temporary one.
             ArchiveError::Write { source, .. } => {
                 ArchiveError::Write { path: self.folder.join(name), source }
             }
@@ -64,7 +64,7 @@ impl WholeSet {
     ///
     /// # Errors
     ///
-    /// [`ArchiveError::Write`] if one cannot take its name. Then the folder is what it was.
+    /// [`ArchiveError::Write`] if one cannot take its name. Then the folder is as before.
     pub fn finish(self) -> Result<(), ArchiveError> {
         let refused = |path: &Path| {
             let path = path.to_path_buf();
@@ -75,7 +75,7 @@ impl WholeSet {
         let entries = entries_of(staged).map_err(refused(&self.folder))?;
         let moves: Vec<(PathBuf, PathBuf)> =
             entries.iter().map(|it| (staged.join(it), self.folder.join(it))).collect();
-        // In one step for whoever ends the program.
+        // In one step, even if the program is interrupted.
         self.staged.undisturbed(|| {
             for (from, to) in &moves {
                 check_kind(from, to).map_err(refused(to))?;
@@ -96,16 +96,16 @@ impl WholeSet {
     }
 }
 
-/// What was at a path before something of a set took it.
+/// The entry at a path before one of a set took it.
 enum Before {
     Nothing,
-    /// It is where the new one was.
+    /// It is at the path where the new entry was.
     Exchanged,
-    /// It is there.
+    /// It is at this path.
     At(PathBuf),
 }
 
-/// Gives `from` the name `to`; what is there goes into `aside`, the folder of `from`.
+/// Gives `from` the name `to`; an earlier entry of that name is moved into `aside`, the folder of `from`.
 fn place(from: &Path, to: &Path, aside: &Path) -> io::Result<Before> {
     if std::fs::symlink_metadata(to).is_err_and(|it| it.kind() == io::ErrorKind::NotFound) {
         return std::fs::rename(from, to).map(|()| Before::Nothing);
@@ -122,7 +122,7 @@ fn place(from: &Path, to: &Path, aside: &Path) -> io::Result<Before> {
 }
 
 impl Before {
-    /// Brings back what was at `to`, as far as the system lets us, which has let us rename the same names just before.
+    /// Brings back the earlier entry at `to`, as far as the system allows it; it has just allowed renaming the same names.
     fn restore(self, from: &Path, to: &Path) {
         let _ = match self {
             Self::Nothing => std::fs::rename(to, from),
@@ -146,14 +146,14 @@ fn check_kind(from: &Path, to: &Path) -> io::Result<()> {
     }
 }
 
-/// Lets two entries swap names in one step, so that whoever ends the program meanwhile leaves the one or the other.
+/// Lets two entries swap names in one step, so that an interruption leaves either the one or the other.
 #[cfg(target_os = "linux")]
 pub(crate) fn exchange(one: &Path, other: &Path) -> io::Result<()> {
     use rustix::fs::{CWD, RenameFlags, renameat_with};
     Ok(renameat_with(CWD, one, CWD, other, RenameFlags::EXCHANGE)?)
 }
 
-/// Not every system can.
+/// Other systems are not supported.
 #[cfg(not(target_os = "linux"))]
 pub(crate) fn exchange(_one: &Path, _other: &Path) -> io::Result<()> {
     Err(io::ErrorKind::Unsupported.into())
@@ -228,7 +228,7 @@ mod tests {
         check(&folder, &[("b", "2"), ("mine", "stays"), ("run/c", "2")]);
     }
 
-    /// Whatever the second one is hindered by, the first goes again.
+    /// However the second entry is hindered, the first is removed again.
     #[test]
     fn what_cannot_take_its_name_leaves_everything_as_it_was() {
         let root = tempfile::tempdir().unwrap();

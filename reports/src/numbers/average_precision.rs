@@ -11,14 +11,14 @@ pub struct RankedDetection {
     pub is_match: bool,
 }
 
-/// What remains when detections below a score are left out.
+/// Counts of the detections at or above a score.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct OperatingPoint {
     /// The least score that is kept.
     pub min_score: f32,
     /// Matched detections of at least that score.
     pub tp: u64,
-    /// False ones.
+    /// False detections of at least that score.
     pub fo: u64,
 }
 
@@ -29,7 +29,7 @@ impl OperatingPoint {
     }
 }
 
-/// A point for every score that occurs, from the highest; equal scores stay or go together.
+/// A point for every score that occurs, from the highest; detections of equal score stay together.
 pub fn operating_points(detections: &[RankedDetection]) -> Vec<OperatingPoint> {
     let mut best_first = detections.to_vec();
     best_first.sort_by(|a, b| b.score.total_cmp(&a.score));
@@ -47,8 +47,8 @@ pub fn operating_points(detections: &[RankedDetection]) -> Vec<OperatingPoint> {
 
 /// Mean, over recalls, of the best precision that is reached at that recall or beyond; 0 where none is.
 ///
-/// `no` is the number of annotations; `None` if there are none. Whether a detection found anything is decided once, with
-/// all detections there; so recall ends where the detector itself ends.
+/// `no` is the number of annotations; `None` if there are none. Detections are matched once, with all detections there;
+/// so recall ends where the detector itself ends.
 ///
 /// Everingham et al. 2010 (interpolation), Lin et al. 2014 (101 points), Simonelli et al. 2019 (R40).
 pub fn average_precision(detections: &[RankedDetection], no: u64, positions: RecallPositions) -> Option<f64> {

@@ -1,7 +1,7 @@
-//! Sums by blocks of scans, in as little memory as it takes.
+//! Sums by blocks of scans, in as little memory as possible.
 //!
-//! Whether whole drives or seconds are drawn shows when all scans are known. Until a data set has enough drives, sums of
-//! seconds serve for both; from then on those of drives do, however long these are.
+//! Whether whole drives or seconds are drawn is known only after all scans. Until a data set has enough drives, sums of
+//! seconds serve for both; from then on sums of drives do, however long the drives are.
 
 use std::collections::BTreeMap;
 
@@ -11,13 +11,13 @@ use crate::numbers::sums::Sums;
 /// The sums of each block.
 #[derive(Debug, Clone)]
 pub(crate) enum BlockSums {
-    /// Of seconds.
+    /// Sums of seconds.
     OfSeconds(BTreeMap<DriveSecond, Sums>),
-    /// Of drives, by their names.
+    /// Sums of drives, by their names.
     OfDrives(BTreeMap<String, DriveSums>),
 }
 
-/// What a drive comes to. Seconds are summed first, as where they are kept: the sum has the same digits.
+/// Sums of a drive. Each second is summed first, as in [`BlockSums::OfSeconds`], so that the total has the same digits.
 #[derive(Debug, Clone)]
 pub(crate) struct DriveSums {
     of_earlier: Sums,
@@ -47,12 +47,12 @@ impl DriveSums {
 }
 
 impl BlockSums {
-    /// None yet.
+    /// No sums yet.
     pub(crate) fn new(has_enough_drives: bool) -> Self {
         if has_enough_drives { Self::OfDrives(BTreeMap::new()) } else { Self::OfSeconds(BTreeMap::new()) }
     }
 
-    /// The sums of the block that `second` is in, to be added to. Seconds of a drive should come one after the other.
+    /// The sums of the block of `second`, to be added to. Seconds of a drive should come one after the other.
     pub(crate) fn of(&mut self, second: &DriveSecond) -> &mut Sums {
         match self {
             Self::OfSeconds(sums) => {
@@ -70,7 +70,7 @@ impl BlockSums {
         }
     }
 
-    /// Keeps drives alone from now on.
+    /// Keeps sums of whole drives only, from now on.
     pub(crate) fn forget_seconds(&mut self) {
         let Self::OfSeconds(of_seconds) = self else { return };
         let mut of_drives = Self::new(true);
@@ -80,7 +80,7 @@ impl BlockSums {
         *self = of_drives;
     }
 
-    /// The sums with the indices of their blocks, in order; blocks without any are left out.
+    /// The sums with the indices of their blocks, in order; blocks without sums are left out.
     pub(crate) fn placed(&self, blocks: &Blocks) -> Vec<(usize, Sums)> {
         let mut placed: BTreeMap<usize, Sums> = BTreeMap::new();
         let mut add = |second: &DriveSecond, sums: &Sums| {
@@ -95,7 +95,7 @@ impl BlockSums {
         placed.into_iter().collect()
     }
 
-    /// All blocks together.
+    /// The sums of all blocks together.
     pub(crate) fn total(&self) -> Sums {
         let mut total = Sums::default();
         match self {

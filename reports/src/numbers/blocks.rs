@@ -1,8 +1,8 @@
-//! Which scans are drawn together when the uncertainty of a number is estimated.
+//! Blocks of scans, which are drawn together when the uncertainty of a number is estimated.
 //!
 //! Scans of one drive show the same street and, close together, the same objects. So whole drives are drawn where a data set
-//! has enough of them; where it has not, seconds of its drives are. Where nobody knows when scans were taken, each is drawn
-//! by itself, and nothing may rest on that: it may be the neighbour of another.
+//! has enough of them, else seconds of its drives. Scans without known times are drawn one by one, and nothing may rest on
+//! that: they may be neighbours.
 
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -10,12 +10,12 @@ use serde::{Deserialize, Serialize};
 
 use crate::vocabulary::named::named;
 
-/// Drives that a data set needs for whole drives to be drawn.
+/// Number of drives from which on the whole drives of a data set are drawn.
 pub const FEWEST_DRIVES: usize = 10;
-/// Blocks of one data set that it takes before anything may rest on an interval.
+/// Number of blocks of one data set from which on a conclusion may rest on an interval.
 pub const FEWEST_BLOCKS: u64 = 10;
 
-/// Scans of one drive that were taken within one second; or what stands for it where times are not known.
+/// Scans of one drive that were taken within one second; without known times a single scan or a named block.
 #[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct DriveSecond {
@@ -28,22 +28,22 @@ pub struct DriveSecond {
 enum DrivePart {
     /// A second of it.
     Second(i64),
-    /// The scan with this number: nobody knows which others are near.
+    /// The scan with this number: it is unknown which others are near.
     Scan(u32),
-    /// All of it: the user has named it as a block.
+    /// The whole drive: a block that was named.
     Whole,
 }
 
 impl DriveSecond {
-    /// The second of `drive` that a scan belongs to which was taken `time_s` after its start.
+    /// The second of `drive` that holds a scan taken `time_s` after the start of the drive.
     pub fn of(drive: &str, time_s: f64) -> Self {
         // Times are whole milliseconds, and the same before and after they were written with three decimals.
         let second = (time_s * 1000.0).round().div_euclid(1000.0) as i64;
         Self { drive: drive.to_owned(), part: DrivePart::Second(second) }
     }
 
-    /// What scan number `scan` of `drive` belongs to, as far as is known: `block` is what has been said about it, `time_s`
-    /// when it was taken.
+    /// The second, named block or single scan to which scan number `scan` of `drive` belongs. `block` is its named block
+    /// and `time_s` its time, where they are known.
     pub fn of_scan(drive: &str, scan: u32, block: Option<&str>, time_s: Option<f64>) -> Self {
         match (block, time_s) {
             (_, Some(time_s)) => Self::of(block.unwrap_or(drive), time_s),
@@ -84,21 +84,21 @@ impl BlockKind {
     pub fn with(self, other: Self) -> Self {
         match (self, other) {
             _ if self == other => self,
-            // Doubt stays, whatever is added.
+            // The doubt stays with any other blocks.
             (Self::Scans, _) | (_, Self::Scans) => Self::Scans,
             _ => Self::Both,
         }
     }
 }
 
-/// How many blocks something was drawn from.
+/// Number and kind of the blocks that resamples were drawn from.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct BlockCount {
     /// Number of blocks.
     pub n_blocks: u64,
-    /// One less for each data set; 0 if one of them has a single block, which cannot show how others would differ.
+    /// One less for each data set; 0 if one of them has a single block, which cannot show how blocks vary.
     pub degrees_of_freedom: u64,
-    /// What they are.
+    /// Kind of the blocks.
     pub kind: BlockKind,
 }
 
@@ -108,7 +108,7 @@ impl BlockCount {
         Self { n_blocks, degrees_of_freedom: n_blocks.saturating_sub(1), kind }
     }
 
-    /// The blocks of several data sets, each of which is drawn from by itself.
+    /// The blocks of both, where each data set is drawn from by itself.
     pub fn with(self, other: Self) -> Self {
         let is_known = self.degrees_of_freedom > 0 && other.degrees_of_freedom > 0;
         let degrees_of_freedom = self.degrees_of_freedom + other.degrees_of_freedom;
@@ -119,7 +119,7 @@ impl BlockCount {
         }
     }
 
-    /// What is to be said of an interval of these; `None` if nothing is.
+    /// Caveat of an interval over these blocks; `None` if there is none.
     pub fn caveat(self) -> Option<String> {
         if self.may_be_neighbours() {
             return Some("over scans that may be neighbours".to_owned());
@@ -127,13 +127,13 @@ impl BlockCount {
         self.are_too_few().then(|| format!("from only {}", self.counted()))
     }
 
-    /// The same, and that nothing follows.
+    /// Caveat of an interval over these blocks, and why it allows no conclusions; `None` if there is none.
     pub fn caveat_of_conclusions(self) -> Option<String> {
         let end = if self.may_be_neighbours() { "no basis" } else { "too few" };
         self.caveat().map(|it| format!("{it}, {end} for conclusions"))
     }
 
-    /// Why no verdict may rest on them, as the beginning of a sentence: they are not enough "to show …"; `None` if one may.
+    /// Why no verdict may rest on these, as the beginning of a sentence that ends "to show …"; `None` if one may.
     pub fn shortfall(self) -> Option<String> {
         if self.may_be_neighbours() {
             return Some("scans without known times, which may be neighbours, are not enough".to_owned());
@@ -142,7 +142,7 @@ impl BlockCount {
         self.are_too_few().then(|| format!("{} {verb} too few", self.counted()))
     }
 
-    /// How many of what, such as `7 blocks of scans`.
+    /// Number with its noun, such as `7 blocks of scans`.
     pub fn counted(self) -> String {
         let what = match (self.kind, self.n_blocks) {
             (BlockKind::Tracks | BlockKind::Objects, 1) => "object",
@@ -158,13 +158,13 @@ impl BlockCount {
         self.are_too_few() || self.may_be_neighbours()
     }
 
-    /// Whether nobody knows which of the scans are near others.
+    /// Whether it is unknown which of the scans are near others.
     pub fn may_be_neighbours(self) -> bool {
         self.kind == BlockKind::Scans
     }
 
     /// Whether these are too few for conclusions: fewer than [`FEWEST_BLOCKS`] of one data set, or as few degrees of
-    /// freedom of several.
+    /// freedom over several.
     pub fn are_too_few(self) -> bool {
         self.degrees_of_freedom + 1 < FEWEST_BLOCKS
     }
@@ -188,7 +188,7 @@ impl From<Option<BlockCount>> for BlockColumns {
     }
 }
 
-/// How sure a number is.
+/// The 95 % interval of a number.
 ///
 /// ```
 /// use reports::numbers::blocks::{BlockCount, BlockKind, Interval};
@@ -201,12 +201,12 @@ impl From<Option<BlockCount>> for BlockColumns {
 pub struct Interval {
     /// Lower and upper end of the 95 % interval.
     pub ends: [f64; 2],
-    /// The blocks that it was estimated from. Where these decide nothing, nothing follows from it.
+    /// The blocks that it was estimated from. If these decide nothing, the interval allows no conclusion.
     pub blocks: BlockCount,
 }
 
 impl Interval {
-    /// What is to be said of it; `None` if nothing is.
+    /// Caveat of the interval; `None` if there is none.
     pub fn caveat(&self) -> Option<String> {
         self.blocks.caveat().map(|of_blocks| format!("interval {of_blocks}"))
     }
@@ -220,8 +220,8 @@ pub struct Blocks {
 }
 
 impl Blocks {
-    /// The blocks that scans of these seconds are in: drives if there are [`FEWEST_DRIVES`] or more, else the seconds.
-    /// Blocks that the user has named are drives in this, however few they are.
+    /// The blocks of the scans of these seconds: drives if there are [`FEWEST_DRIVES`] or more, else the seconds.
+    /// Blocks that the user has named count as drives here, however few they are.
     ///
     /// Blocks are in the order of drives and times, whatever the order of `seconds`.
     pub fn of(seconds: impl IntoIterator<Item = DriveSecond>) -> Self {
@@ -246,22 +246,22 @@ impl Blocks {
         Self { index_of_second: seconds.into_iter().zip(indices).collect(), count }
     }
 
-    /// The index of the block that holds these scans, from 0; `None` if they are none of the data set's.
+    /// The index from 0 of the block that holds the scans of `second`; `None` if the data set has no such scans.
     pub fn index_of(&self, second: &DriveSecond) -> Option<usize> {
         self.index_of_second.get(second).copied()
     }
 
-    /// How many there are.
+    /// Number and kind of the blocks.
     pub fn count(&self) -> BlockCount {
         self.count
     }
 
-    /// How many there are, as a length.
+    /// Number of blocks.
     pub fn len(&self) -> usize {
         self.count.n_blocks as usize
     }
 
-    /// Whether there are none.
+    /// Whether there are no blocks.
     pub fn is_empty(&self) -> bool {
         self.count.n_blocks == 0
     }
@@ -298,7 +298,7 @@ mod tests {
         // Two scans a second, and twenty.
         check(&at(&[0.0, 0.5, 1.0, 1.5, 2.0]), 3, BlockKind::Seconds);
         check(&at(&(0..40).map(|it| 0.05 * f64::from(it)).collect::<Vec<_>>()), 2, BlockKind::Seconds);
-        // 0.29 × 1000 is less than 290 in binary, 0.999 is no second, and time may run before the start.
+        // 0.29 × 1000 is less than 290 in binary, 0.999 is less than a second, and times may be before the start.
         check(&at(&[0.29, 0.999]), 1, BlockKind::Seconds);
         check(&at(&[0.999, 1.0]), 2, BlockKind::Seconds);
         check(&at(&[-0.001, 0.0]), 2, BlockKind::Seconds);
@@ -326,7 +326,7 @@ mod tests {
         check(&many, 30, BlockKind::Scans);
         assert!(many.count().decide_nothing() && !many.count().are_too_few());
         assert_eq!(many.count().caveat().as_deref(), Some("over scans that may be neighbours"));
-        // Neither do they where others are added whose times are known.
+        // They decide nothing with other blocks whose times are known, either.
         assert!(many.count().with(BlockCount::of_dataset(40, BlockKind::Drives)).decide_nothing());
     }
 
@@ -341,7 +341,7 @@ mod tests {
         check(&named(30, 4), 4, BlockKind::Named);
         check(&named(30, 12), 12, BlockKind::Named);
         assert_eq!([4, 12].map(|it| named(30, it).count().decide_nothing()), [true, false]);
-        // A drive of its own with a time is a drive, as that of a raw scan.
+        // A named block with times is a drive, as that of a raw scan.
         let raw =
             |scan: u32| DriveSecond::of_scan("training", scan, Some("0005"), Some(f64::from(scan) / 10.0));
         check(&Blocks::of((0..25).map(raw)), 3, BlockKind::Seconds);

@@ -1,4 +1,4 @@
-//! How far fitted boxes are from annotated ones, by slice of the matched vehicles.
+//! Errors of fitted boxes against annotated boxes, by slice of the matched vehicles.
 
 use crate::numbers::blocks::Interval;
 use crate::vocabulary::named::named;
@@ -8,18 +8,18 @@ use crate::vocabulary::named::named;
 pub struct NumberWithin {
     /// The number.
     pub value: f64,
-    /// The interval; `None` of a single drive or object.
+    /// The interval; `None` for a single drive or object.
     pub within: Option<Interval>,
 }
 
 /// One error over one slice of the pairs, for each way to fit a box to the same points.
 #[derive(Debug, Clone, PartialEq)]
 pub struct BoxErrorLine {
-    /// The data that were looked at.
+    /// Name of the data.
     pub data: String,
-    /// Whether they are simulated.
+    /// Whether the data are simulated.
     pub is_simulated: bool,
-    /// What the pairs are sliced by: `all`, `class`, `occlusion`, `range` or `points`.
+    /// Property that the pairs are sliced by: `all`, `class`, `occlusion`, `range` or `points`.
     pub by: String,
     /// The slice.
     pub slice: String,
@@ -29,8 +29,8 @@ pub struct BoxErrorLine {
     pub n_pairs: u64,
     /// Tracks that these belong to.
     pub n_tracks: u64,
-    /// Names of the fits with the median of the absolute error, or with the share; `None` without pairs, and for boxes that
-    /// do not have it.
+    /// Names of the fits with the median of the absolute error, or with the share; `None` without pairs, and for boxes
+    /// without this error.
     pub fits: Vec<(&'static str, Option<NumberWithin>)>,
 }
 
@@ -67,7 +67,7 @@ named! {
 }
 
 impl BoxError {
-    /// Those that are reported for every slice; for all vehicles together all are.
+    /// Errors that are reported for every slice; for all vehicles together all errors are.
     pub const OF_SLICES: [Self; 4] = [Self::Centre, Self::Yaw, Self::Yaw10, Self::Bev70];
 
     /// Whether it is a share, reported as a mean in %; otherwise it is an error, reported as a median.
@@ -84,7 +84,7 @@ impl BoxError {
         }
     }
 
-    /// Decimals that say something.
+    /// Number of decimals that are worth showing.
     pub(crate) fn decimals(self) -> usize {
         if self.unit() == "m" { 2 } else { 1 }
     }
@@ -100,7 +100,7 @@ pub(crate) mod tests {
     use super::*;
     use crate::numbers::blocks::{BlockCount, BlockKind};
 
-    /// All that is measured of a slice, the second fit twice as far off.
+    /// Lines of the errors of a slice; those of the second fit are twice those of the first.
     pub(crate) fn lines(data: &str, by: &str, slice: &str, n_pairs: u64) -> Vec<BoxErrorLine> {
         let fit = |name: &'static str, value: f64| {
             let blocks = BlockCount::of_dataset(n_pairs / 4, BlockKind::Tracks);

@@ -7,7 +7,7 @@ use crate::vocabulary::class::AnnotationClass;
 /// Side of the cells that points are counted in, in metres.
 pub const CELL_M: f64 = 0.15;
 
-/// What is seen across the length of boxes.
+/// Direction across the length of boxes.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Across {
     /// From above: to the left.
@@ -24,9 +24,9 @@ pub struct BoxPoints {
     pub class: AnnotationClass,
     /// The kind of box.
     pub frame: &'static str,
-    /// How many vehicles there are.
+    /// Number of vehicles.
     pub n_vehicles: usize,
-    /// Which way y is.
+    /// Direction of y.
     pub across: Across,
     /// Mean length of the boxes, and mean width or height, in metres.
     pub length_width_m: [f64; 2],
@@ -45,7 +45,7 @@ pub struct FramedPoints<'a> {
 }
 
 impl BoxPoints {
-    /// Those of `vehicles`. Every vehicle counts alike, however many points it has.
+    /// The points of `vehicles`. Every vehicle counts alike, however many points it has.
     pub fn of<'a>(
         class: AnnotationClass,
         frame: &'static str,
@@ -74,7 +74,7 @@ impl BoxPoints {
         }
     }
 
-    /// The same with another direction across.
+    /// These points with `across` as the direction of y.
     pub fn seen_across(self, across: Across) -> Self {
         Self { across, ..self }
     }

@@ -1,22 +1,21 @@
-//! Whether what is expected comes about.
+//! Calibration: expected against observed outcomes.
 
 use std::iter::repeat_n;
 
 use crate::numbers::average_precision::OperatingPoint;
 
-/// Examples of which much the same was expected.
+/// Examples whose expected outcomes are in one bin.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct CalibrationBin {
-    /// What was expected of them, on average.
+    /// Mean of the expected outcomes.
     pub expected: f64,
-    /// What came about, on average.
+    /// Mean of the observed outcomes.
     pub observed: f64,
-    /// How many they are.
+    /// Number of examples.
     pub n: usize,
 }
 
-/// The bins of `judged`, pairs of what was expected and what came about, each 0 to 1: ten of equal width, without those that
-/// hold none.
+/// The bins of `judged`, pairs of an expected and an observed outcome, each 0 to 1: ten of equal width, less the empty ones.
 pub fn calibration(judged: impl Iterator<Item = (f64, f64)>) -> Vec<CalibrationBin> {
     let mut sums = [(0.0, 0.0, 0); 10];
     for (expected, observed) in judged {
@@ -31,7 +30,7 @@ pub fn calibration(judged: impl Iterator<Item = (f64, f64)>) -> Vec<CalibrationB
     sums.into_iter().filter(|it| it.2 > 0).map(bin).collect()
 }
 
-/// The bins of the detections of an operating curve: how likely their scores say that they are right, and how many are.
+/// The bins of the detections of an operating curve: their probability by score of being right, and the share that is.
 ///
 /// Scores that all lie within 0 to 1 are probabilities; others are logarithms of odds.
 pub fn calibration_of_scores(curve: &[OperatingPoint]) -> Vec<CalibrationBin> {
@@ -45,8 +44,8 @@ pub fn calibration_of_scores(curve: &[OperatingPoint]) -> Vec<CalibrationBin> {
     }))
 }
 
-/// How far what is expected lies from what comes about: the mean over all examples of the difference of their bin, 0 to 1.
-/// `None` without bins.
+/// Expected calibration error: the mean over all examples of the difference between expected and observed in their bin, 0
+/// to 1. `None` without bins.
 ///
 /// Naeini, Cooper, Hauskrecht 2015, *Obtaining well calibrated probabilities using Bayesian binning*.
 pub fn calibration_error(bins: &[CalibrationBin]) -> Option<f64> {
@@ -67,14 +66,14 @@ mod tests {
                 scored.iter().map(|&(score, is_match)| RankedDetection { score, is_match }).collect();
             operating_points(&ranked)
         };
-        // Three quarters of those with odds of three to one are right, and so are all that are sure.
+        // Three quarters of the detections with odds of three to one are right, and so is the sure one.
         let odds = 3.0_f32.ln();
         let scored = [(odds, true), (odds, true), (odds, false), (odds, true), (30.0, true)];
         let bins = calibration_of_scores(&curve(&scored));
         assert_eq!(bins.iter().map(|it| it.n).collect::<Vec<_>>(), [4, 1]);
         assert!(bins.iter().all(|it| (it.expected - it.observed).abs() < 1e-6), "{bins:?}");
         assert!(calibration_error(&bins).unwrap() < 1e-6);
-        // Of two that are said to be right with 90 %, one is: 0.4 too many.
+        // One of two detections with a probability of 90 % is right: an error of 0.4.
         let bins = calibration_of_scores(&curve(&[(0.9, true), (0.9, false)]));
         assert!((calibration_error(&bins).unwrap() - 0.4).abs() < 1e-6);
         assert_eq!(calibration_error(&[]), None);

@@ -1,19 +1,19 @@
 //! One statistic measured on two collections of scans, bin by bin, and how well the two agree.
 
-/// The ratio of two values that still pass for alike, either way.
+/// Largest ratio of two values that count as alike, either way.
 pub const ALIKE_FACTOR: f64 = 1.5;
 
-/// The same thing of both sides of a comparison: what is judged on the left, what it is judged by on the right.
+/// One value for each side of a comparison: the judged side on the left, its reference on the right.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub struct Sides<T> {
-    /// Of what is judged.
+    /// Value of the judged side.
     pub left: T,
-    /// Of what it is judged by.
+    /// Value of the reference.
     pub right: T,
 }
 
 impl<T> Sides<T> {
-    /// Does the same to both sides.
+    /// Applies `change` to both sides.
     pub fn map<U>(self, mut change: impl FnMut(T) -> U) -> Sides<U> {
         Sides { left: change(self.left), right: change(self.right) }
     }
@@ -29,17 +29,17 @@ impl<T> Sides<T> {
 pub struct CurvePair {
     /// Its name in files: lower case, words joined by `_`.
     pub statistic: &'static str,
-    /// What is measured, for people, such as `points per square metre`.
+    /// The statistic for people, such as `points per square metre`.
     pub title: &'static str,
-    /// What the bins divide, such as `range`; `None` where they are kinds of something and not stretches in metres.
+    /// The length that the bins divide, such as `range`; `None` if they are kinds of something, not stretches in metres.
     pub bins_of: Option<&'static str>,
-    /// A stretch whose agreement is also reported separately, in metres; it begins and ends where bins do.
+    /// A stretch in metres whose agreement is also reported separately; it begins and ends where bins do.
     pub focus_m: Option<[f64; 2]>,
     /// Unit of the values.
     pub unit: &'static str,
-    /// What the counts `n` of the bins are of, such as `scans`.
+    /// Things that the counts `n` of the bins are of, such as `scans`.
     pub counted: &'static str,
-    /// The fewest things a bin must be made of, on each side, for its ratio to be defined.
+    /// Least `n` of a bin on each side for its ratio to be defined.
     pub least_n: Sides<u64>,
     /// The bins, in order.
     pub bins: Vec<CurveBin>,
@@ -50,7 +50,7 @@ pub struct CurvePair {
 pub struct CurveBin {
     /// Its name within the statistic.
     pub name: String,
-    /// Where it begins and ends, in metres; `None` where it is a kind of something.
+    /// Its ends in metres; `None` if it is a kind of something.
     pub ends_m: Option<[f64; 2]>,
     /// The values of both sides.
     pub measured: Sides<Measured>,
@@ -59,7 +59,7 @@ pub struct CurveBin {
 /// A value and the number of things it is made of.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Measured {
-    /// The value, finite; `None` where there is none, as the median of nothing.
+    /// The value, finite; `None` if it is undefined, such as the median of nothing.
     pub value: Option<f64>,
     /// Number of things it is made of.
     pub n: u64,
@@ -81,7 +81,7 @@ pub struct Agreement {
 }
 
 impl CurvePair {
-    /// Left over right in bin `bin_idx`; `None` where either side is made of too little or the right one is 0.
+    /// Left over right in bin `bin_idx`; `None` if either side has too small an `n` or no value, or the right one is 0.
     pub fn ratio(&self, bin_idx: usize) -> Option<f64> {
         let Sides { left, right } = self.bins[bin_idx].measured;
         let is_enough = left.n >= self.least_n.left && right.n >= self.least_n.right;
@@ -94,7 +94,7 @@ impl CurvePair {
         self.agreement_of(|_| true)
     }
 
-    /// How well the curves agree in the bins of [`Self::focus_m`]; `None` if there are none, or none has a ratio.
+    /// How well the curves agree in the bins of [`Self::focus_m`]; `None` without such bins, or if none has a ratio.
     pub fn agreement_in_focus(&self) -> Option<Agreement> {
         let [from_m, to_m] = self.focus_m?;
         self.agreement_of(|bin| bin.ends_m.is_some_and(|ends_m| ends_m[0] >= from_m && ends_m[1] <= to_m))
@@ -125,7 +125,7 @@ pub fn is_alike(ratio: f64) -> bool {
     (1.0 / ALIKE_FACTOR..=ALIKE_FACTOR).contains(&ratio)
 }
 
-/// The same for a ratio and its reciprocal; infinite for 0.
+/// Distance of a ratio from 1, equal to that of its reciprocal; infinite for 0.
 fn distance_from_one(ratio: f64) -> f64 {
     ratio.ln().abs()
 }

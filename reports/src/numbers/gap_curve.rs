@@ -1,4 +1,4 @@
-//! How many pairs of objects are separated, by the gap between the two.
+//! Number of pairs of objects that are separated, by the gap between the two.
 
 use std::ops::AddAssign;
 
@@ -7,11 +7,11 @@ use std::ops::AddAssign;
 pub struct PairCounts {
     /// Pairs that were put up.
     pub n_pairs: u64,
-    /// Of these, those of which both objects have enough points to be judged.
+    /// Pairs whose objects both have enough points to be judged.
     pub n_seen: u64,
-    /// Of the seen ones, those that were separated.
+    /// Seen pairs that were separated.
     pub n_separated: u64,
-    /// Of the seen ones, those that one detection joins.
+    /// Seen pairs that one detection joins.
     pub n_joined: u64,
 }
 
@@ -20,26 +20,26 @@ pub struct PairCounts {
 pub struct GapBin {
     /// The detector.
     pub detector: String,
-    /// What the pairs consist of.
+    /// Kind of the pairs.
     pub pair: String,
-    /// How they stand as the sensor sees them.
+    /// Layout of the pairs as the sensor sees them.
     pub layout: String,
-    /// From where to where the nearer of the two stands, in metres from the sensor.
+    /// Ends of the range of the nearer object, in metres from the sensor.
     pub range_m: [f64; 2],
     /// The gap in metres.
     pub gap_m: f64,
-    /// What became of them.
+    /// Counts of the pairs.
     pub counts: PairCounts,
 }
 
-/// What one detector makes of growing gaps at one range.
+/// Counts of one detector over growing gaps at one range.
 #[derive(Debug, Clone, PartialEq)]
 pub struct GapCurve {
     /// The detector.
     pub detector: String,
-    /// From where to where, in metres from the sensor.
+    /// Ends of the range, in metres from the sensor.
     pub range_m: [f64; 2],
-    /// Gaps in metres, ascending, with what became of the pairs.
+    /// Gaps in metres, ascending, with the counts of their pairs.
     pub points: Vec<(f64, PairCounts)>,
 }
 

@@ -1,4 +1,4 @@
-//! What one detector made of one data set in one task.
+//! Sums and ranked detections of one detector on one data set in one task.
 
 use std::collections::BTreeMap;
 
@@ -12,7 +12,7 @@ use crate::vocabulary::formula::Term;
 use crate::vocabulary::slice::Slice;
 use crate::vocabulary::task::Task;
 
-/// What one detector made of one data set in one task.
+/// Sums and ranked detections of one detector on one data set in one task.
 #[derive(Debug, Clone)]
 pub(crate) struct Gathered {
     pub(crate) n_scans: u64,
@@ -20,7 +20,7 @@ pub(crate) struct Gathered {
     pub(super) counts: Option<Counts>,
     has_enough_drives: bool,
     pub(super) slices: BTreeMap<Slice, BlockSums>,
-    /// The detections that count, where they are ranked; nothing once one of them came without a score.
+    /// The detections that count; `None` if the task does not rank them, or once one of them came without a score.
     pub(crate) ranked: Option<Vec<RankedDetection>>,
 }
 
@@ -36,7 +36,7 @@ impl Gathered {
         }
     }
 
-    /// Whole drives will be drawn.
+    /// Keeps sums of whole drives only, since these will be drawn.
     pub(super) fn forget_seconds(&mut self) {
         self.has_enough_drives = true;
         self.slices.values_mut().for_each(BlockSums::forget_seconds);
@@ -49,12 +49,12 @@ impl Gathered {
         }
     }
 
-    /// The sums of `slice`, with the indices of their blocks; blocks without any are left out.
+    /// The sums of `slice`, with the indices of their blocks; blocks without sums are left out.
     pub(crate) fn sums_of_blocks(&self, slice: &Slice, blocks: &Blocks) -> Vec<(usize, Sums)> {
         self.slices.get(slice).map_or_else(Vec::new, |it| it.placed(blocks))
     }
 
-    /// The sum of `term` over everything.
+    /// The sum of `term` over all objects.
     pub(crate) fn total(&self, term: Term) -> f64 {
         self.slices.get(&Slice::All).map_or(0.0, |it| it.total().of(term))
     }
@@ -79,7 +79,7 @@ impl Gathered {
     }
 }
 
-/// The slices of an annotation beside that of everything.
+/// The slices of an annotation beside [`Slice::All`].
 pub(crate) fn slices_of_annotation(annotation: &AnnotationFacts) -> Vec<Slice> {
     let mut slices = vec![Slice::Class(annotation.class), Slice::of_points(annotation.n_points)];
     slices.extend(annotation.center_m().and_then(|it| Slice::of_range(range_m(it))));
@@ -88,14 +88,14 @@ pub(crate) fn slices_of_annotation(annotation: &AnnotationFacts) -> Vec<Slice> {
     slices
 }
 
-/// The same of a detection.
+/// The slices of a detection beside [`Slice::All`].
 pub(crate) fn slices_of_detection(detection: &DetectionFacts) -> Vec<Slice> {
     let mut slices = vec![Slice::of_points(detection.n_points)];
     slices.extend(Slice::of_range(range_m(detection.bounding_box.center_m)));
     slices
 }
 
-/// Adds how far the box that was found is off the labelled one.
+/// Adds the errors of the box `found` against the box `labelled`.
 pub(super) fn add_box_errors(sums: &mut Sums, labelled: &BoxFacts, found: &BoxFacts) {
     let off_m = |of: fn(&BoxFacts) -> f32| f64::from(of(found)) - f64::from(of(labelled));
     let along_x_m = off_m(|it| it.center_m[0]);

@@ -1,4 +1,4 @@
-//! How long something took, scan by scan, and the statistics of it.
+//! Times of scans, and their statistics.
 
 /// Times in milliseconds, in ascending order.
 #[derive(Debug, Clone, PartialEq)]
@@ -26,13 +26,13 @@ impl Latencies {
         self.sorted_ms.get(rank.saturating_sub(1)).copied()
     }
 
-    /// Scans per second, as the papers have it: one over the mean. `None` without times.
+    /// Scans per second as in the papers: one over the mean. `None` without times.
     pub fn fps_mean(&self) -> Option<f64> {
         let total_ms: f64 = self.sorted_ms.iter().sum();
         (total_ms > 0.0).then(|| 1e3 * self.n() as f64 / total_ms)
     }
 
-    /// One over the median. `None` without times.
+    /// Scans per second by the median: one over it. `None` without times.
     pub fn fps_p50(&self) -> Option<f64> {
         let p50_ms = self.percentile_ms(50)?;
         (p50_ms > 0.0).then(|| 1e3 / p50_ms)

@@ -1,4 +1,4 @@
-//! What `report.json` and `protocols.json` write of a number, whatever it is of.
+//! The fields of a number in `report.json` and `protocols.json`, whatever it is of.
 
 use serde::{Deserialize, Serialize};
 
@@ -45,7 +45,7 @@ impl NumberRecord {
         }
     }
 
-    /// The same with how sure it is, and what is to be said of it: `caveat`, or else what its interval says.
+    /// This number with its `interval` and its caveat: `caveat`, or else that of the interval.
     pub(crate) fn within(self, interval: Option<Interval>, caveat: Option<&str>) -> Self {
         Self {
             interval_95: interval.map(|it| it.ends),
@@ -57,11 +57,11 @@ impl NumberRecord {
         }
     }
 
-    /// How sure it is, where that is known.
+    /// Interval of the number; `None` if it has none.
     ///
     /// # Errors
     ///
-    /// A sentence if there are no blocks of the name that it has.
+    /// A sentence if its kind of blocks is unknown.
     pub(crate) fn interval(&self) -> Result<Option<Interval>, String> {
         let unknown = |it: &str| format!("unknown blocks of scans {it:?}");
         let kind = self.blocks.as_ref().map(|it| BlockKind::from_name(it).ok_or_else(|| unknown(it)));
@@ -73,7 +73,7 @@ impl NumberRecord {
         Ok(self.interval_95.zip(blocks).map(interval))
     }
 
-    /// Which way is better.
+    /// Whether higher or lower is better.
     pub(crate) fn direction(&self) -> Direction {
         match self.higher_is_better {
             Some(true) => Direction::HigherIsBetter,

@@ -1,4 +1,4 @@
-//! `curves.csv` and its points: what a classifier gains and loses as its threshold falls.
+//! `curves.csv` and its points: the rates of a classifier as its threshold falls.
 
 use serde::{Deserialize, Serialize};
 

@@ -6,7 +6,7 @@ use crate::vocabulary::origin::Origin;
 /// All data sets of one origin.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Pool {
-    /// What numbers about them are about: the data set itself if it is the only one.
+    /// Extent of the numbers about them: the data set itself if it is the only one.
     pub extent: Extent,
     /// Where their scans come from.
     pub origin: Origin,
@@ -15,7 +15,7 @@ pub struct Pool {
 }
 
 impl Pool {
-    /// Which they are, where there are others.
+    /// Words that tell this pool from others.
     pub fn in_words(&self) -> String {
         let origin = self.origin.name();
         match &self.extent {
@@ -24,13 +24,13 @@ impl Pool {
         }
     }
 
-    /// Whether it has several data sets, so that numbers about them together say more than those of each.
+    /// Whether it has several data sets, so that numbers about them together differ from those of each.
     pub fn is_of_several(&self) -> bool {
         self.extent.is_overall()
     }
 }
 
-/// The recorded ones of `datasets`, which are ids with origins, and the simulated ones; first the one of the first data set.
+/// A pool for each origin among `datasets`, which are ids with origins; first the pool of the first data set.
 pub fn pools<'a>(datasets: impl IntoIterator<Item = (&'a str, Origin)>) -> Vec<Pool> {
     let mut pools: Vec<Pool> = Vec::new();
     for (id, origin) in datasets {

@@ -1,4 +1,4 @@
-//! `precision_recall.csv`: what each detector would reach if detections below a score were left out.
+//! `precision_recall.csv`: precision and recall of each detector without its detections below a score.
 
 use serde::{Deserialize, Serialize};
 
@@ -40,7 +40,7 @@ impl PrecisionRecallRow {
         }
     }
 
-    /// Of which data set, in which task, of which detector.
+    /// Data set, task and detector of the row.
     pub fn subject(&self) -> (&str, Task, &str) {
         (&self.dataset, self.task, &self.detector)
     }
@@ -50,7 +50,7 @@ impl PrecisionRecallRow {
         OperatingPoint { min_score: self.min_score.0 as f32, tp: self.tp, fo: self.fo }
     }
 
-    /// Recall and precision, where recall is defined.
+    /// Recall and precision; `None` if recall is undefined.
     pub fn position(&self) -> Option<(f64, f64)> {
         Some((self.recall?.0, self.precision.0))
     }

@@ -1,13 +1,13 @@
-//! Whether one number rises with another.
+//! Rank correlation: whether one number rises with another.
 
-/// Spearman's rank correlation of pairs, where equal values share the mean of their ranks: 1 if one always rises with the
-/// other, −1 if it always falls. `None` of fewer than three pairs, or if either is the same throughout.
+/// Spearman's rank correlation of pairs, where equal values share the mean of their ranks: 1 if one number always rises with
+/// the other, −1 if it always falls. `None` for fewer than three pairs, or if either number is constant.
 pub fn rank_correlation(pairs: &[(f64, f64)]) -> Option<f64> {
     rank_correlation_within([pairs])
 }
 
-/// The same within groups: each pair is ranked among those of its group, so that what sets groups apart does not count.
-/// `None` without a group of three pairs.
+/// Spearman's rank correlation within groups: pairs are ranked in their group, so that differences between groups do not
+/// count. `None` without a group of three pairs, or if either number is constant within every group.
 pub fn rank_correlation_within<'a>(groups: impl IntoIterator<Item = &'a [(f64, f64)]>) -> Option<f64> {
     let [mut both, mut of_left, mut of_right] = [0.0; 3];
     for pairs in groups.into_iter().filter(|it| it.len() >= 3) {
@@ -23,7 +23,7 @@ pub fn rank_correlation_within<'a>(groups: impl IntoIterator<Item = &'a [(f64, f
     (spread > 0.0).then(|| both / spread.sqrt())
 }
 
-/// The rank of every value from 1, equal values sharing the mean of theirs.
+/// The rank of every value from 1; equal values share the mean of their ranks.
 fn ranks(values: impl Iterator<Item = f64>) -> Vec<f64> {
     let values: Vec<f64> = values.collect();
     let rank = |value: &f64| {
@@ -61,7 +61,7 @@ mod tests {
 
     #[test]
     fn what_sets_groups_apart_does_not_count() {
-        // Each falls, and the second lies far above the first.
+        // Each group falls, and the second lies far above the first.
         let groups: [&[(f64, f64)]; 3] = [
             &[(1.0, 3.0), (2.0, 2.0), (3.0, 1.0)],
             &[(11.0, 90.0), (12.0, 80.0), (13.0, 70.0)],

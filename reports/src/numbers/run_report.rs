@@ -24,16 +24,16 @@ pub struct RunReport {
     overall: Vec<MetricRow>,
 }
 
-/// What a number is about.
+/// Subject of a number: data set, task, detector and slice.
 #[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct Subject {
-    /// Id of the data set; in rows about several the name of their [`Extent`](crate::vocabulary::extent::Extent).
+    /// Id of the data set; in rows about several, the name of their [`Extent`](crate::vocabulary::extent::Extent).
     pub dataset: String,
     /// The task.
     pub task: Task,
     /// Name of the detector.
     pub detector: String,
-    /// The part of the objects that is looked at.
+    /// The part of the objects that counts.
     pub slice: Slice,
 }
 
@@ -44,39 +44,39 @@ impl Subject {
     }
 }
 
-/// One number with all that is needed to read it.
+/// A number with its subject, metric, count and interval.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 #[serde(into = "RowRecord")]
 pub struct MetricRow {
-    /// What it is about.
+    /// Subject of the number.
     pub subject: Subject,
-    /// What was measured; says the unit and which way is better.
+    /// The metric, which determines the unit and the direction.
     pub metric: Metric,
     // Invariant: finite.
     value: Option<f64>,
-    /// What it is made of: for a rate the denominator, for a count the number of scans, for a time or a speed the
+    /// Count behind the value: for a rate the denominator, for a count the number of scans, for a time or a speed the
     /// number of timed scans.
     pub n: u64,
     interval: Option<Interval>,
 }
 
-/// Why numbers make no report.
+/// Error of numbers that make no report.
 #[derive(Debug, PartialEq, Eq, thiserror::Error)]
 #[error("{0}")]
 pub struct RunReportError(String);
 
 impl MetricRow {
-    /// A number. One that is not finite, as a ratio over zero gives it, is undefined and kept as `None`.
+    /// A number. One that is not finite, such as a ratio over zero, is undefined and kept as `None`.
     pub fn new(subject: Subject, metric: Metric, value: Option<f64>, n: u64) -> Self {
         Self { subject, metric, value: value.filter(|it| it.is_finite()), n, interval: None }
     }
 
-    /// The same with how sure it is.
+    /// This row with its interval, unless an end of that is not finite.
     pub fn within(self, interval: Option<Interval>) -> Self {
         Self { interval: interval.filter(|it| it.ends.iter().all(|end| end.is_finite())), ..self }
     }
 
-    /// How sure the number is, where that is known. Its ends are finite.
+    /// Interval of the number, if there is one. Its ends are finite.
     pub fn interval(&self) -> Option<Interval> {
         self.interval
     }
@@ -95,7 +95,7 @@ impl RunReport {
     ///
     /// # Errors
     ///
-    /// [`RunReportError`] if two rows say the same thing.
+    /// [`RunReportError`] if two rows have the same subject and metric.
     pub fn new(scoring_version: u32, rows: Vec<MetricRow>) -> Result<Self, RunReportError> {
         Self::with_overall(scoring_version, rows, Vec::new())
     }
@@ -104,7 +104,7 @@ impl RunReport {
     ///
     /// # Errors
     ///
-    /// [`RunReportError`] if two rows say the same thing.
+    /// [`RunReportError`] if two rows have the same subject and metric.
     pub fn with_overall(
         scoring_version: u32,
         rows: Vec<MetricRow>,
@@ -133,37 +133,39 @@ impl RunReport {
         &self.rows
     }
 
-    /// The numbers about all data sets of one origin together, where there are several.
+    /// The numbers about all data sets of one origin together, if there are several.
     pub fn overall(&self) -> &[MetricRow] {
         &self.overall
     }
 
-    /// The task that rows come first about, for what is the same in every task; `None` of an empty report.
+    /// The task of the first row, for numbers that are the same in every task; `None` for an empty report.
     pub fn first_task(&self) -> Option<Task> {
         self.rows.first().map(|it| it.subject.task)
     }
 
-    /// Scans of the data sets that are asked about that `detector` gave no answer to, and all its scans there; `None` if it
-    /// answered all of them.
+    /// Number of scans to which `detector` gave no answer, and of all its scans, on the data sets that `is_asked`; `None` if
+    /// it answered all of them.
     pub fn failed_scans(
         &self,
         is_asked: impl Fn(&str) -> bool,
         task: Task,
         detector: &str,
     ) -> Option<[u64; 2]> {
-        let is_its = |it: &&MetricRow| {
-            let Subject { dataset, task: of_task, detector: of_detector, .. } = &it.subject;
-            it.metric == Metric::FailedScans
-                && (*of_task, of_detector.as_str()) == (task, detector)
-                && is_asked(dataset)
+        let of_metric = |metric: Metric| {
+            self.rows.iter().filter(move |it| {
+                let Subject { task: of_task, detector: of_detector, slice, .. } = &it.subject;
+                (*of_task, of_detector.as_str(), *slice) == (task, detector, Slice::All)
+                    && it.metric == metric
+            })
         };
-        let [n_failed, n_scans] = self.rows.iter().filter(is_its).fold([0, 0], |[n_failed, n_scans], it| {
-            [n_failed + it.value().unwrap_or(0.0) as u64, n_scans + it.n]
-        });
+        let of_asked = |metric| of_metric(metric).filter(|it| is_asked(&it.subject.dataset));
+        let n_failed = of_asked(Metric::FailedScans).filter_map(MetricRow::value).sum::<f64>() as u64;
+        // Only data sets with such a scan have a row about them.
+        let n_scans = of_asked(Metric::No).map(|it| it.n).sum();
         (n_failed > 0).then_some([n_failed, n_scans])
     }
 
-    /// The row about `subject` and `metric`, whether of one data set or of several.
+    /// The row of `subject` and `metric`, of one data set or of several.
     pub fn row(&self, subject: &Subject, metric: &Metric) -> Option<&MetricRow> {
         self.rows.iter().chain(&self.overall).find(|it| it.subject == *subject && it.metric == *metric)
     }
@@ -302,6 +304,24 @@ mod tests {
         let path = folder.path().join("report.json");
         std::fs::write(&path, json).unwrap();
         RunReport::read(&path)
+    }
+
+    #[test]
+    fn scans_without_an_answer_are_among_those_of_all_data_sets() {
+        let of = |dataset: &str, metric, value, n| {
+            MetricRow::new(Subject::of_all(dataset, Task::Objects, "mine"), metric, Some(value), n)
+        };
+        let rows = vec![
+            of("street", Metric::No, 80.0, 20),
+            of("street", Metric::FailedScans, 3.0, 20),
+            of("drive", Metric::No, 40.0, 10),
+        ];
+        let report = RunReport::new(1, rows).unwrap();
+        let failed = |is_asked: fn(&str) -> bool| report.failed_scans(is_asked, Task::Objects, "mine");
+        assert_eq!(failed(|_| true), Some([3, 30]));
+        assert_eq!(failed(|it| it == "street"), Some([3, 20]));
+        assert_eq!(failed(|it| it == "drive"), None);
+        assert_eq!(report.failed_scans(|_| true, Task::Vehicles, "mine"), None);
     }
 
     #[test]

@@ -1,7 +1,7 @@
-//! Which scans of a run a shard has.
+//! The scans of a run that a shard has.
 //!
-//! Scans stay in the order of the run, and every shard has neighbours; so the rows of all shards, one after the other, are
-//! those of the run. What is drawn together when intervals are estimated stays together, be it a second or a whole drive.
+//! Scans stay in the order of the run, and every shard has consecutive ones; so the rows of all shards, one after the other,
+//! are those of the run. A block of scans, whether a second or a whole drive, stays together.
 
 use std::ops::Range;
 
@@ -11,9 +11,9 @@ use crate::vocabulary::shard::Shard;
 /// A scan of the run.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct ScanToCut {
-    /// The second of its drive that it was taken in.
+    /// The second of its drive in which it was taken.
     pub second: DriveSecond,
-    /// How much work it is, by any measure that is the same for all scans of the run. Nothing counts as 1.
+    /// Work of the scan, in any unit that is the same for all scans of the run. 0 counts as 1.
     pub work: u64,
 }
 
@@ -49,7 +49,7 @@ struct Cut {
     work_before: u128,
 }
 
-/// All positions that no block of scans reaches across, in order.
+/// All positions that cut no block of scans, in order.
 fn possible_cuts(datasets: &[Vec<ScanToCut>]) -> Vec<Cut> {
     let mut cuts = vec![Cut { position: 0, work_before: 0 }];
     let (mut position, mut work_before) = (0, 0);
@@ -100,7 +100,7 @@ mod tests {
     fn six_scans_of_three_seconds_make_three_shards_of_two() {
         let drive = scans(&[("a", 0), ("a", 0), ("a", 1), ("a", 1), ("a", 2), ("a", 2)]);
         assert_eq!(parts(std::slice::from_ref(&drive), 3), [[0..2], [2..4], [4..6]]);
-        // Where there are more shards than seconds, some have nothing.
+        // With more shards than seconds, some are empty.
         let n_scans: Vec<usize> = parts(&[drive], 7).iter().map(|it| it[0].len()).collect();
         assert_eq!((n_scans.iter().sum::<usize>(), n_scans.iter().filter(|it| **it == 0).count()), (6, 4));
     }
@@ -128,7 +128,7 @@ mod tests {
 
     #[test]
     fn a_second_that_comes_again_is_not_torn() {
-        // Time stamps that do not ascend: second 0 reaches over second 1.
+        // Time stamps that do not ascend: second 0 reaches across second 1.
         let drive = scans(&[("a", 0), ("a", 1), ("a", 0), ("a", 2)]);
         assert_eq!(parts(&[drive], 2), [[0..3], [3..4]]);
     }

@@ -1,4 +1,4 @@
-//! Sums over objects, of which every ratio of a report is made: those of any choice of scans give its ratios.
+//! Sums over objects. Every ratio of a report is made of them, for any choice of scans.
 
 use crate::rows::counts::Counts;
 use crate::rows::scan_row::ScanNumbers;
@@ -9,7 +9,7 @@ use crate::vocabulary::metric::Metric;
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Sums([f64; Term::N]);
 
-/// A power of two, far below what is measured of metres, nats and logarithms of times.
+/// A power of two, far below the measured metres, nats and logarithms of times.
 const STEP: f64 = 1.0 / (1_u64 << 32) as f64;
 
 /// Whether every false detection is known to be one.
@@ -17,12 +17,12 @@ const STEP: f64 = 1.0 / (1_u64 << 32) as f64;
 pub enum FalseObjects {
     /// All are known.
     Known,
-    /// Not every class is annotated, so what matches nothing may be right.
+    /// Not every class is annotated, so an unmatched detection may be right.
     Unknown,
 }
 
 impl Sums {
-    /// What was found, missed and false; nothing false where that is not known.
+    /// Annotations, matched and false detections of `counts`; no false detections if they are unknown.
     pub fn of_counts(counts: Counts) -> Self {
         let mut sums = Self::default();
         sums.add(Term::Annotations, counts.no() as f64);
@@ -31,7 +31,7 @@ impl Sums {
         sums
     }
 
-    /// The objects of a scan; its times are not in it.
+    /// The sums over the objects of a scan, without its times.
     pub(super) fn of_scan(numbers: &ScanNumbers) -> Self {
         let mut sums = Self::of_counts(numbers.counts);
         let segmentation = &numbers.segmentation;
@@ -62,19 +62,19 @@ impl Sums {
         self.0[term as usize] += (value / STEP).round() * STEP;
     }
 
-    /// Adds `other` as often as `times` says.
+    /// Adds `other` multiplied by `times`.
     pub fn add_times(&mut self, other: &Self, times: f64) {
         for (sum, value) in self.0.iter_mut().zip(other.0) {
             *sum += times * value;
         }
     }
 
-    /// Whether there is nothing in any sum.
+    /// Whether all sums are zero.
     pub fn is_zero(&self) -> bool {
         self.0.iter().all(|it| *it == 0.0)
     }
 
-    /// Numerator and denominator of `metric`; `None` if it is no ratio of sums, or cannot be known.
+    /// Numerator and denominator of `metric`; `None` if it is no ratio of sums, or needs false detections that are unknown.
     pub fn ratio(&self, metric: &Metric, false_objects: FalseObjects) -> Option<[f64; 2]> {
         let formula = metric.formula();
         let Formula::Ratio(part, whole) = formula else { return None };
@@ -85,7 +85,7 @@ impl Sums {
         terms.iter().map(|it| self.of(*it)).sum()
     }
 
-    /// The value of what `formula` makes of sums; `None` if it is not made of them, cannot be known, or would be over nothing.
+    /// The value of `formula`; `None` if it is not made of sums, needs unknown false detections, or is a ratio over zero.
     pub fn value(&self, formula: Formula, false_objects: FalseObjects) -> Option<f64> {
         if !false_objects.suffice_for(formula) {
             return None;
@@ -107,7 +107,7 @@ impl Sums {
 }
 
 impl FalseObjects {
-    /// Whether what `formula` makes can be known.
+    /// Whether the value of `formula` can be known.
     fn suffice_for(self, formula: Formula) -> bool {
         self == Self::Known || !formula.needs_false_detections()
     }

@@ -5,21 +5,21 @@ use crate::numbers::sweep_score::{SweepScore, SweepScores, SweepSubject, SweepTi
 use crate::vocabulary::extent::Extent;
 use crate::vocabulary::metric::Direction;
 
-/// A number that is reached at a point of a sweep.
+/// A number at a point of a sweep.
 pub trait Reached {
-    /// Where.
+    /// Point, extent, sensor and detector of the number.
     fn subject(&self) -> &SweepSubject;
 
-    /// What it is of, beside what its subject says.
+    /// Names of the number beside its subject, such as task and rate.
     fn about(&self) -> Vec<&str>;
 
     /// The number; `None` if it is undefined.
     fn value(&self) -> Option<f64>;
 
-    /// How sure it is; `None` where that is not known.
+    /// Its interval; `None` if there is none.
     fn interval(&self) -> Option<Interval>;
 
-    /// Which way is better.
+    /// Whether higher or lower is better.
     fn direction(&self) -> Direction;
 }
 
@@ -45,36 +45,36 @@ impl Reached for SweepScore {
     }
 }
 
-/// What is reached over the values of the first parameter, all others being the same.
+/// Numbers over the values of the first parameter, all other parameters being the same.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Curve<'a, T> {
     /// The other swept parameters, as `name = value`.
     pub others: Vec<String>,
-    /// One for each value of the first parameter, at least one.
+    /// Points, one for each value of the first parameter, at least one.
     pub points: Vec<CurvePoint<'a, T>>,
 }
 
 /// One point of a curve.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct CurvePoint<'a, T> {
-    /// The value of the first parameter as a number; its index among the values if one of these is none.
+    /// The value of the first parameter as a number; its index if not all values are numbers.
     pub x: f64,
     /// The value as it is written.
     pub x_text: &'a str,
-    /// What is reached.
+    /// The number at this point.
     pub reached: &'a T,
 }
 
-/// What one detector reaches in one task.
+/// Rates of one detector in one task.
 pub type SweepCurve<'a> = Curve<'a, SweepScore>;
 
 impl<'a, T: Reached> Curve<'a, T> {
-    /// What is reached at the first point.
+    /// The number at the first point.
     pub fn first(&self) -> &'a T {
         self.points[0].reached
     }
 
-    /// The point with the best value, the first of several; `None` without a value, or where neither way is better.
+    /// The point with the best value, the first of several; `None` without a value, or if neither direction is better.
     pub fn best(&self) -> Option<&CurvePoint<'a, T>> {
         self.extreme(1.0)
     }
@@ -99,8 +99,8 @@ impl<'a, T: Reached> Curve<'a, T> {
     }
 }
 
-/// What is reached at points of a sweep as curves, in the order of their first points: those of extents, detectors and what
-/// numbers are about, with the values of the first `n_swept` of `parameters`.
+/// Curves of the numbers `reached` at points of a sweep, in the order of their first points: one for each extent, detector
+/// and [`Reached::about`], and each combination of the other swept parameters among the first `n_swept` of `parameters`.
 pub(crate) fn curves<'a, T: Reached>(
     parameters: &[String],
     n_swept: usize,
@@ -134,7 +134,7 @@ impl SweepScores {
         curves(&self.parameters, self.n_swept, self.scores.iter())
     }
 
-    /// How long it took to find what was found there; `None` where nothing was timed.
+    /// Times at `subject`; `None` if it was not timed.
     pub fn time_of(&self, subject: &SweepSubject) -> Option<&SweepTime> {
         self.times.iter().find(|it| it.subject == *subject)
     }
@@ -163,7 +163,7 @@ pub(crate) fn axis_title(parameters: &[String]) -> String {
     with_unit.unwrap_or_else(|| name.replace('_', " "))
 }
 
-/// The number that a value is; `None` of a word.
+/// A value as a finite number; `None` if it is none.
 fn number(text: &str) -> Option<f64> {
     text.parse().ok().filter(|it: &f64| it.is_finite())
 }
@@ -174,7 +174,7 @@ fn short(name: &str) -> &str {
 }
 
 impl SweepCurve<'_> {
-    /// Whether every point has cells, not all of one size.
+    /// Whether every point has cells, and these are not all of one size.
     pub fn sweeps_cells(&self) -> bool {
         let sizes: Option<Vec<f64>> =
             self.points.iter().map(|it| it.reached.cells.as_ref().map(|it| it.cell_size_m)).collect();
@@ -182,7 +182,7 @@ impl SweepCurve<'_> {
     }
 }
 
-/// Index of the highest value, the first of several; `None` if there is no value at all.
+/// Index of the highest value, the first of several; `None` without any value.
 pub(crate) fn highest(values: impl Iterator<Item = Option<f64>>) -> Option<usize> {
     let defined = values.enumerate().filter_map(|(index, value)| Some((index, value?)));
     let higher = |best: (usize, f64), it: (usize, f64)| if it.1 > best.1 { it } else { best };
@@ -208,7 +208,7 @@ mod tests {
         let xs: Vec<f64> = curves[0].points.iter().map(|it| it.x).collect();
         assert_eq!(xs, [0.2, 0.4, 0.6]);
         assert!(curves[0].points.iter().all(|it| sweep.time_of(&it.reached.subject).is_some()));
-        // The first of two that are equally good.
+        // The first of two equally good points.
         assert_eq!(curves[0].best().map(|it| it.x_text), Some("0.4"));
         assert!(curves[0].sweeps_cells());
         assert_eq!(sweep.axis_title(), "cell size (m)");

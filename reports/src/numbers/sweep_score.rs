@@ -1,4 +1,4 @@
-//! What detectors reach at the points of a sweep: `sweep.csv` and `times.csv`.
+//! Scores and times of detectors at the points of a sweep: `sweep.csv` and `times.csv`.
 
 use crate::files::csv_rows::csv_of_cells;
 use crate::files::fixed_decimals::fixed_decimals;
@@ -9,33 +9,33 @@ use crate::vocabulary::metric::Metric;
 use crate::vocabulary::origin::Origin;
 use crate::vocabulary::task::Task;
 
-/// The columns of times, behind those that say of what.
+/// The columns of times, after those of the subject.
 const TIME_COLUMNS: [&str; 7] =
     ["n_scans", "n_detections", "p50_of_shortest_ms", "min_ms", "p50_ms", "p90_ms", "max_ms"];
 
 /// All numbers of a sweep.
 #[derive(Debug, Clone, PartialEq)]
 pub struct SweepScores {
-    /// Full names of the parameters that differ from point to point: first the axis of plots, then what else is swept, then
-    /// what is tied to these.
+    /// Full names of the parameters that differ from point to point: first the axis of plots, then the other swept ones,
+    /// then those that are tied to these.
     pub parameters: Vec<String>,
-    /// How many of these are swept.
+    /// Number of these that are swept.
     pub n_swept: usize,
-    /// The value of the first parameter where it is not swept.
+    /// The configured value of the first parameter, which it has without a sweep.
     pub configured: Option<String>,
     /// Data set by data set and then overall, within these detector by detector, task by task, point by point.
     pub scores: Vec<SweepScore>,
-    /// In the same order, without the tasks.
+    /// Times in the order of the scores, without the tasks.
     pub times: Vec<SweepTime>,
 }
 
-/// Which scans, and by what.
+/// Subject of a score or a time: the point of the sweep, the scans and the detector.
 #[derive(Debug, Clone, PartialEq)]
 pub struct SweepSubject {
     // First, because subjects are compared: most differ in it.
     /// Index of the point in the sweep.
     pub point_idx: usize,
-    /// How much it covers.
+    /// Data set, or several together.
     pub extent: Extent,
     /// Where the scans come from.
     pub origin: Origin,
@@ -47,18 +47,18 @@ pub struct SweepSubject {
     pub values: Vec<String>,
 }
 
-/// What a detector found at one point.
+/// Score of a detector at one point.
 #[derive(Debug, Clone, PartialEq)]
 pub struct SweepScore {
-    /// Where.
+    /// Point, scans and detector.
     pub subject: SweepSubject,
-    /// What was asked of it.
+    /// The task.
     pub task: Task,
     /// Number of scans.
     pub n_scans: u64,
-    /// The blocks of scans that intervals are drawn from.
+    /// The blocks of scans from which intervals are estimated.
     pub blocks: BlockCount,
-    /// What was found, missed and false.
+    /// Counts of found, missed and false objects.
     pub counts: Counts,
     /// 95 % interval of the F-rate.
     pub f_rate_within: Option<[f64; 2]>,
@@ -68,14 +68,14 @@ pub struct SweepScore {
     pub cells: Option<CellScore>,
 }
 
-/// How fit the cells of a grid are.
+/// Fitness of the cells of a grid.
 #[derive(Debug, Clone, PartialEq)]
 pub struct CellScore {
     /// Side of a cell in metres.
     pub cell_size_m: f64,
     /// Dense, sparse and empty cells, summed over the scans.
     pub n_dense_sparse_empty: [u64; 3],
-    /// The readings of it.
+    /// The readings of the fitness.
     pub readings: Vec<FitnessValue>,
 }
 
@@ -88,40 +88,40 @@ pub struct FitnessValue {
     pub value: Option<f64>,
     /// Its 95 % interval.
     pub within: Option<[f64; 2]>,
-    /// What it has to lie within; `None` if it has no bounds.
+    /// Ends that the value has to lie within; `None` if it has no bounds.
     pub range: Option<[f64; 2]>,
 }
 
-/// How long a detector took at one point.
+/// Times of a detector at one point.
 #[derive(Debug, Clone, PartialEq)]
 pub struct SweepTime {
-    /// Where.
+    /// Point, scans and detector.
     pub subject: SweepSubject,
     /// Number of scans that were timed.
     pub n_scans: u64,
-    /// Number of detections of these.
+    /// Number of detections in these scans.
     pub n_detections: u64,
-    /// Median over the scans of the shortest time of each, in milliseconds: what other programs on the machine disturb
-    /// least.
+    /// Median over the scans of the shortest time of each, in milliseconds: the time least disturbed by other programs on
+    /// the machine.
     pub typical_ms: f64,
     /// Shortest time in milliseconds.
     pub min_ms: f64,
     /// Median time in milliseconds.
     pub p50_ms: f64,
-    /// What nine of ten do not exceed, in milliseconds.
+    /// 90th percentile of the times, in milliseconds.
     pub p90_ms: f64,
     /// Longest time in milliseconds.
     pub max_ms: f64,
 }
 
 impl FitnessValue {
-    /// The value if it is where it has to be.
+    /// The value; `None` if it is undefined or out of [`Self::range`].
     pub fn in_range(&self) -> Option<f64> {
         let is_within = |value: &f64| self.range.is_none_or(|[low, high]| (low..=high).contains(value));
         self.value.filter(is_within)
     }
 
-    /// Whether there is a value, and where.
+    /// Whether the value is undefined, in range or out of range, as `sweep.csv` names it.
     fn state(&self) -> &'static str {
         match (self.value, self.in_range()) {
             (None, _) => "undefined",
@@ -132,7 +132,7 @@ impl FitnessValue {
 }
 
 impl SweepScore {
-    /// The F-rate; where it cannot be known, the recall. Nothing where nothing is annotated.
+    /// The F-rate, or the recall if false objects are unknown. `None` without annotations.
     pub fn rate(&self) -> Option<f64> {
         match self.counts.fo() {
             Some(_) => self.counts.drawn(Counts::f_rate),
@@ -145,12 +145,12 @@ impl SweepScore {
         if self.counts.fo().is_some() { self.f_rate_within } else { self.recall_within }
     }
 
-    /// The metric that [`Self::rate`] is of.
+    /// Metric of [`Self::rate`].
     pub fn rate_metric(&self) -> Metric {
         if self.counts.fo().is_some() { Metric::FRate } else { Metric::Recall }
     }
 
-    /// What [`Self::rate`] is.
+    /// Name of [`Self::rate`].
     pub fn rate_name(&self) -> &'static str {
         if self.counts.fo().is_some() { "F-rate" } else { "recall" }
     }
@@ -203,7 +203,7 @@ impl SweepTime {
     }
 }
 
-/// The columns that say where something is reached at a point of `parameters`.
+/// The columns of a [`SweepSubject`] in a sweep of `parameters`.
 pub(crate) fn subject_columns(parameters: &[String]) -> Vec<String> {
     let mut columns = vec!["point".to_owned()];
     columns.extend(parameters.iter().cloned());
@@ -212,7 +212,7 @@ pub(crate) fn subject_columns(parameters: &[String]) -> Vec<String> {
 }
 
 impl SweepSubject {
-    /// Where it is, in the order of [`subject_columns`].
+    /// The cells of the subject, in the order of [`subject_columns`].
     pub(crate) fn cells_of_row(&self) -> Vec<String> {
         let mut row = vec![self.point_idx.to_string()];
         row.extend(self.values.iter().cloned());

@@ -1,5 +1,4 @@
-//! Sums of a run, gathered from the rows of scans and matches: by subject, by slice, and by blocks of scans that are drawn
-//! together.
+//! Sums of a run, gathered from the rows of scans and matches: by subject, by slice, and by block of scans.
 
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -51,11 +50,11 @@ pub struct Tally {
     datasets: Vec<String>,
     tasks: Vec<Task>,
     detectors: Vec<String>,
-    // Of each of `datasets`, the scans of each sequence with what they are drawn with.
+    // Of each of `datasets`, the scans of each sequence with the seconds that they are drawn with.
     scans: Vec<BTreeMap<String, BTreeMap<u32, DriveSecond>>>,
     // Of each of `datasets`, the drives that are drawn from.
     drives: Vec<BTreeSet<String>>,
-    // By id of the data set and name of the scan, as far as the user or the data set says.
+    // Named blocks by id of the data set and name of the scan, as far as the user or the data set names them.
     blocks: BTreeMap<String, BTreeMap<String, String>>,
     // Of each of `datasets`.
     times: Vec<Times>,
@@ -65,13 +64,13 @@ pub struct Tally {
     simulated: BTreeSet<String>,
 }
 
-/// Whether times may be put together.
+/// Whether times of a run may be put together.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Processors {
-    /// They are all of processors of one kind.
+    /// All times are of processors of one kind.
     #[default]
     Alike,
-    /// They are not: only ratios of times that were taken side by side mean something.
+    /// They are not: only ratios of times that were taken side by side are meaningful.
     Unlike,
 }
 
@@ -84,24 +83,22 @@ struct Key {
 }
 
 impl Tally {
-    /// Nothing yet, of rows that were made on such processors, and of data sets of which those with the ids `simulated` are
-    /// simulated.
+    /// An empty tally for rows that were made on such processors; `simulated` are the ids of the simulated data sets.
     pub fn of_run(processors: Processors, simulated: BTreeSet<String>) -> Self {
         Self { processors, simulated, ..Self::default() }
     }
 
-    /// The same, where what the scans of a data set are drawn with has names of its own: by id of the data set and name of
-    /// the scan.
+    /// This tally with named blocks: `blocks` holds the block of a scan by id of the data set and name of the scan.
     pub fn with_blocks(self, blocks: BTreeMap<String, BTreeMap<String, String>>) -> Self {
         Self { blocks, ..self }
     }
 
-    /// The same, where these are the first detectors, in this order.
+    /// This tally with these as its first detectors, in this order.
     pub fn with_detectors(self, detectors: Vec<String>) -> Self {
         Self { detectors, ..self }
     }
 
-    /// Adds what one detector made of one scan in one task.
+    /// Adds the row of one detector on one scan in one task.
     pub fn add_scan(&mut self, row: &ScanRow) {
         let key = self.key(&row.dataset, row.task, &row.detector);
         let block = self.block_of(row);
@@ -114,7 +111,7 @@ impl Tally {
             sums.add(Term::LogTimeRatio, (least_ms / reference_ms).ln());
             let log_reference = match self.processors {
                 Processors::Alike => reference_ms.ln(),
-                // A mean over unlike processors is none of any.
+                // A mean over unlike processors belongs to none of them.
                 Processors::Unlike => f64::NAN,
             };
             sums.add(Term::LogReference, log_reference);
@@ -134,8 +131,8 @@ impl Tally {
         times.add_failures(key.task, key.detector, numbers.failure.is_some());
     }
 
-    /// Adds what the detector with this index among [`Self::detectors`] found in `scan`, which is drawn with `block`, in one
-    /// task, where nothing else is known of it.
+    /// Adds the counts of the detector with this index among [`Self::detectors`] on `scan`, which is drawn with `block`, in
+    /// one task. For scans of which nothing else is known.
     pub fn add_counts(
         &mut self,
         scan: &ScanName,
@@ -149,7 +146,7 @@ impl Tally {
         self.count(key, counts, block).add_times(&Sums::of_counts(counts), 1.0);
     }
 
-    /// Adds how long a stage of a detector took on a scan.
+    /// Adds the time of a stage of a detector on a scan, unless processors are unlike.
     pub fn add_stage(&mut self, row: &StageRow) {
         if self.processors == Processors::Unlike {
             return;
@@ -159,8 +156,8 @@ impl Tally {
         self.times[dataset].add_stage(detector, &row.stage, row.time_ms);
     }
 
-    /// Adds what became of an annotation, a detection or a pair of them, whose scan was added before. What is of another
-    /// scan is left out.
+    /// Adds the outcome of an annotation, a detection or a pair of them. Its scan must have been added before; a row of
+    /// another scan is left out.
     pub fn add_match(&mut self, row: &MatchRow) {
         let key = self.key(&row.dataset, row.task, &row.detector);
         let of_sequence = self.scans[key.dataset].get(&row.sequence);
@@ -196,14 +193,14 @@ impl Tally {
         }
     }
 
-    /// What the scan of a row is drawn with.
+    /// The second, named block or single scan that the scan of a row is drawn with.
     fn block_of(&self, row: &ScanRow) -> DriveSecond {
         let named = self.blocks.get(&row.dataset);
         let named = named.and_then(|it| it.get(&format!("{}/{:06}", row.sequence, row.scan)));
         DriveSecond::of_scan(&row.sequence, row.scan, named.map(String::as_str), row.time_s)
     }
 
-    /// Counts a scan, and returns the sums of all scans that are drawn with it.
+    /// Counts a scan, and returns the sums of its block.
     fn count(&mut self, key: Key, counts: Counts, block: &DriveSecond) -> &mut Sums {
         let has_enough_drives = self.has_enough_drives(key.dataset);
         let gathered =
@@ -216,7 +213,7 @@ impl Tally {
         gathered.sums(Slice::All, block)
     }
 
-    /// Notes what a scan is drawn with.
+    /// Notes the block of a scan.
     fn add_block(&mut self, dataset_idx: usize, sequence: &str, scan: u32, block: &DriveSecond) {
         self.scans[dataset_idx].entry(sequence.to_owned()).or_default().insert(scan, block.clone());
         let drives = &mut self.drives[dataset_idx];
@@ -243,7 +240,7 @@ impl Tally {
         Key { detector, ..self.key_of_task(dataset, task) }
     }
 
-    /// The key of the first detector.
+    /// The key with the first detector.
     fn key_of_task(&mut self, dataset: &str, task: Task) -> Key {
         if !self.tasks.contains(&task) {
             self.tasks.push(task);
@@ -259,7 +256,7 @@ impl Tally {
         dataset
     }
 
-    /// Ids of the data sets, in the order in which they were seen.
+    /// Ids of the data sets, in the order of their first rows.
     pub fn datasets(&self) -> &[String] {
         &self.datasets
     }
@@ -277,7 +274,7 @@ impl Tally {
     pub(crate) fn datasets_in(&self, extent: &str) -> Vec<usize> {
         let pools = self.pools();
         let is_in_pool = |id: &String| {
-            // Also a single one is all of them.
+            // A single pool is all data sets, too.
             let is_all = extent == OVERALL && pools.len() == 1;
             is_all || pools.iter().any(|it| it.extent.name() == extent && it.datasets.contains(id))
         };
@@ -295,8 +292,8 @@ impl Tally {
         &self.detectors
     }
 
-    /// What one detector has found so far in one task on the data sets that `extent` names: the id of one, or the name of
-    /// several together. `None` if no scan of the kind was evaluated.
+    /// Counts so far of one detector in one task on the data sets that `extent` names: the id of one, or the name of
+    /// several together. `None` if none of these scans was evaluated.
     pub fn counts(&self, extent: &str, task: Task, detector: &str) -> Option<Counts> {
         let datasets = self.datasets_in(extent).into_iter();
         let of_datasets = datasets.filter_map(|it| self.gathered(it, task, detector)?.counts);
@@ -311,7 +308,7 @@ impl Tally {
         &self.times
     }
 
-    /// Which scans of each data set are drawn together, in the order of the data sets.
+    /// The blocks of each data set, in the order of the data sets.
     pub fn blocks(&self) -> Vec<Blocks> {
         let blocks = |scans: &BTreeMap<String, BTreeMap<u32, DriveSecond>>| {
             let seconds: BTreeSet<&DriveSecond> = scans.values().flat_map(BTreeMap::values).collect();
@@ -320,8 +317,8 @@ impl Tally {
         self.scans.iter().map(blocks).collect()
     }
 
-    /// The scans of a data set, given by its index: the sequence and the number of each, and what it is drawn with, by
-    /// sequence and number.
+    /// The scans of the data set with this index, by sequence and number: sequence, number, and the second that it is drawn
+    /// with.
     pub(crate) fn scans(&self, dataset_idx: usize) -> impl Iterator<Item = (&str, u32, DriveSecond)> {
         let sequences = self.scans[dataset_idx].iter();
         sequences.flat_map(|(sequence, scans)| {
@@ -329,7 +326,7 @@ impl Tally {
         })
     }
 
-    /// All slices that detector `detector` has an object in, in the task `task`.
+    /// All slices in which `detector` has an object in `task`.
     pub fn slices(&self, task: Task, detector: &str) -> BTreeSet<Slice> {
         let is_asked = |key: &Key| key.task == task && self.detectors[key.detector] == detector;
         let gathered = self.of_key.iter().filter(|(key, _)| is_asked(key));

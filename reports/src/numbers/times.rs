@@ -10,7 +10,7 @@ use crate::vocabulary::task::Task;
 pub(crate) struct Times {
     // In milliseconds, as all times here.
     scans_ms: BTreeMap<(TimeKind, Task, usize), Vec<f64>>,
-    // Scans, and those among them that gave no answer.
+    // Number of scans, and of those whose detector gave no answer.
     failures: BTreeMap<(Task, usize), [u64; 2]>,
     stages_ms: BTreeMap<usize, Vec<(String, Vec<f64>)>>,
 }
@@ -18,11 +18,11 @@ pub(crate) struct Times {
 /// A time of a scan.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub(crate) enum TimeKind {
-    /// Of its detection.
+    /// Time of the detection.
     Latency,
-    /// On processors meanwhile.
+    /// Processor time during the detection.
     Cpu,
-    /// To a detector that is a program of its own, and back.
+    /// Time to a detector that is a program of its own, and back.
     Overhead,
 }
 

@@ -1,4 +1,4 @@
-//! How a result is made again, and how it is cited.
+//! How to make a result again, and how to cite it.
 
 use maud::{Markup, html};
 
@@ -6,18 +6,18 @@ use super::markup::commands;
 use crate::run_folder::command_line::shell_word;
 use crate::run_folder::manifest::{GitState, Manifest};
 
-/// What made a result.
+/// Provenance of a result: its command, version, time and commit.
 pub(super) struct Made<'a> {
     argv: &'a [String],
     version: &'a str,
     created: &'a str,
     git: Option<&'a GitState>,
-    /// What else a citation says.
+    /// Further note of a citation.
     note: String,
 }
 
 impl<'a> Made<'a> {
-    /// The result of this manifest.
+    /// Provenance of the result of this manifest.
     pub(super) fn of(it: &'a Manifest) -> Self {
         let Manifest { argv, scanbench_version: version, created, git, scoring_version, partial, .. } = it;
         let note = if partial.is_some() {
@@ -28,7 +28,7 @@ impl<'a> Made<'a> {
         Self { argv, version, created, git: git.as_ref(), note }
     }
 
-    /// The command for whoever has the program, the same for whoever has the source, and what to cite.
+    /// The command for the installed program, that for the source, and the entry to cite.
     pub(super) fn markup(&self) -> Markup {
         let arguments: Vec<String> = self.argv.iter().skip(1).map(|it| shell_word(it)).collect();
         let arguments = arguments.join(" ");

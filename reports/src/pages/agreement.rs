@@ -8,7 +8,7 @@ use crate::facts::run_facts::RunFacts;
 use crate::tables::agreement_table::AgreementOfDetectors;
 use crate::tables::sheet::Tabular as _;
 
-/// Nothing where everything is labelled.
+/// The section of agreement; `None` if everything is labelled.
 pub(super) fn agreement(facts: &RunFacts) -> Option<Section> {
     if facts.agreement.is_empty() {
         return None;

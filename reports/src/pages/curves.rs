@@ -11,7 +11,7 @@ use crate::plots::reliability_plot::{LEAST_IN_BIN, reliability_plot};
 use crate::plots::series::key_of;
 use crate::plots::themed_panel::ThemedPanel;
 
-/// Nothing if no detection has a score, or false ones are unknown.
+/// The section of curves; `None` if no detection has a score, or false detections are unknown.
 pub(super) fn curves(facts: &RunFacts, files: &mut Vec<Figure>) -> Option<Section> {
     if facts.curves.is_empty() {
         return None;
@@ -68,12 +68,12 @@ fn panel(facts: &RunFacts, curves: &DatasetCurves) -> ThemedPanel {
 /// Detectors, each with its bins.
 type Calibrations = Vec<(String, Vec<CalibrationBin>)>;
 
-/// The bins of every detector by what its scores say.
+/// The bins of every detector by the probabilities that its scores give.
 fn calibrations(curves: &DatasetCurves) -> Calibrations {
     curves.operating.iter().map(|(name, points)| (name.clone(), calibration_of_scores(points))).collect()
 }
 
-/// How far every detector is from the diagonal, in percent.
+/// The calibration error of every detector in percent: its mean distance from the diagonal.
 fn errors_of(of_detectors: &[(String, Vec<CalibrationBin>)]) -> String {
     let error = |(name, bins): &(String, Vec<CalibrationBin>)| {
         Some(format!("{name} {:.1} %", 100.0 * calibration_error(bins)?))
@@ -81,7 +81,7 @@ fn errors_of(of_detectors: &[(String, Vec<CalibrationBin>)]) -> String {
     of_detectors.iter().filter_map(error).collect::<Vec<_>>().join(", ")
 }
 
-/// What a panel is called.
+/// Title of a panel: id of the data set, and whether it is simulated.
 fn title(facts: &RunFacts, curves: &DatasetCurves) -> String {
     let is_simulated = facts.manifest.datasets.iter().any(|it| it.id == curves.dataset && it.simulated);
     if is_simulated { format!("{} (simulated)", curves.dataset) } else { curves.dataset.clone() }

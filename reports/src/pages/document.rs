@@ -12,12 +12,12 @@ pub(super) struct Section {
 }
 
 impl Section {
-    /// The one that links call `name`.
+    /// A section that links call `name`.
     pub(super) fn new(name: &str, heading: &str, content: Markup) -> Self {
         Self { heading: Some(heading.to_owned()), ..Self::without_heading(name, content) }
     }
 
-    /// One that says by itself what it is.
+    /// A section whose content needs no heading.
     pub(super) fn without_heading(name: &str, content: Markup) -> Self {
         Self { name: name.to_owned(), heading: None, content }
     }
@@ -52,7 +52,7 @@ pub(super) fn document(title: &str, header: &Markup, sections: &[Section]) -> St
             head {
                 meta charset="utf-8";
                 meta name="viewport" content="width=device-width, initial-scale=1";
-                // Whatever a name in a file tries: nothing is loaded and nothing runs.
+                // Nothing is loaded and nothing runs, whatever a name in a file contains.
                 meta http-equiv="Content-Security-Policy" content="default-src 'none'; style-src 'unsafe-inline'; img-src data:";
                 meta name="color-scheme" content="light dark";
                 link rel="icon" href="data:,";

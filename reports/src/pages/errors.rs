@@ -12,7 +12,7 @@ use crate::tables::error_table::ErrorTable;
 use crate::tables::sheet::Tabular as _;
 use crate::vocabulary::task::Task;
 
-/// A table for each task and origin; nothing of runs without a mistake.
+/// A table for each task and origin; `None` for runs without a mistake.
 pub(super) fn errors(facts: &RunFacts, files: &mut Vec<Figure>) -> Option<Section> {
     let tasks: Vec<Task> =
         Task::ALL.into_iter().filter(|task| facts.errors.iter().any(|it| it.task == *task)).collect();
@@ -32,7 +32,7 @@ pub(super) fn errors(facts: &RunFacts, files: &mut Vec<Figure>) -> Option<Sectio
     (!tasks.is_empty()).then(|| Section::new("Errors", "Errors by reason", content))
 }
 
-/// What becomes of the objects, stage by stage.
+/// Figure of the losses of objects, stage by stage; empty without losses.
 fn losses(facts: &RunFacts, errors: &ErrorTable<'_>, stem_end: &str, files: &mut Vec<Figure>) -> Markup {
     let losses = Losses::of(errors, |it| facts.detector_idx(it));
     let panels: Vec<ThemedPanel> = losses.iter().map(loss_plot).collect();

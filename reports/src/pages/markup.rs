@@ -1,4 +1,4 @@
-//! What several sections of a page are made of.
+//! Parts that several sections of a page share.
 
 use maud::{Markup, PreEscaped, html};
 
@@ -17,7 +17,7 @@ pub struct Figure {
     pub svg: String,
 }
 
-/// Panels with what is said about them.
+/// Panels with their title, key and caption.
 pub(super) struct FigureMarkup<'a> {
     pub(super) file_stem: &'a str,
     pub(super) title: &'a str,
@@ -47,7 +47,7 @@ impl FigureMarkup<'_> {
     }
 }
 
-/// A picture that is too wide for small screens, with what is said about it; `svg` is a document, or part of one.
+/// A picture that is too wide for small screens, with its caption; `svg` is a document, or part of one.
 pub(super) fn wide_picture(name: &str, svg: &str, caption: &Markup) -> Markup {
     html! {
         figure.sweep {
@@ -57,7 +57,7 @@ pub(super) fn wide_picture(name: &str, svg: &str, caption: &Markup) -> Markup {
     }
 }
 
-/// What the lines and markers of a figure stand for.
+/// Key to the lines and markers of a figure; empty for fewer than two entries.
 pub(super) fn key(entries: &[KeyEntry]) -> Markup {
     html! {
         @if entries.len() > 1 {
@@ -70,7 +70,7 @@ pub(super) fn key(entries: &[KeyEntry]) -> Markup {
     }
 }
 
-/// So many characters of a table stand side by side on a wide screen, and on paper.
+/// Width of a table on a wide screen and on paper, in characters.
 const TABLE_WIDTH: usize = 100;
 
 /// A table, in pieces below each other where it is too wide for a page. Each scrolls sideways, by keyboard too, where the
@@ -168,7 +168,7 @@ fn column_class(grid: &Grid, idx: usize) -> String {
 fn line_class(line: &Line) -> &'static str {
     match line.kind {
         LineKind::Dataset => "dataset",
-        // What says more about the line above, but not another detector's numbers.
+        // It says more about the line above, and does not hold another detector's numbers.
         LineKind::Detail if !line.cells[0].text.is_empty() => "detail",
         LineKind::Detail => "more",
         LineKind::Overall => "overall",
@@ -178,7 +178,7 @@ fn line_class(line: &Line) -> &'static str {
 
 fn cell_markup(cell: &Cell, notes: &Notes, fraction_width: usize, alignment: Alignment) -> Markup {
     let sign = notes.sign(cell);
-    // Numbers stand below each other by their points: what has fewer digits behind it is filled up with blanks as wide.
+    // Numbers are aligned by their decimal points: missing decimals are filled up with blanks of the same width.
     let missing = fraction_width.saturating_sub(cell.fraction().chars().count());
     let is_filled = alignment == Alignment::Decimal && !cell.is_interval && !cell.text.is_empty();
     let blanks: String = match (is_filled, cell.fraction().is_empty()) {

@@ -1,4 +1,4 @@
-//! The top of the page: what was run, who leads, by how much and how surely.
+//! The top of the page: the run, which detector leads, by how much and how surely.
 
 use maud::{Markup, html};
 
@@ -12,7 +12,7 @@ use crate::verdicts::task_ranking::{Speeds, TaskRanking, origin_of_run};
 use crate::vocabulary::metric::Metric;
 use crate::vocabulary::origin::Origin;
 
-/// What was run, in a line.
+/// Detectors and data sets of the run, in a line.
 pub(super) fn heading(facts: &RunFacts) -> String {
     let datasets: Vec<&str> = facts.manifest.datasets.iter().map(|it| it.id.as_str()).collect();
     format!("{} on {}", listed(&facts.detectors()), listed(&datasets))
@@ -27,7 +27,7 @@ fn listed(names: &[&str]) -> String {
     }
 }
 
-/// What was run, where and when.
+/// Header of the page: detectors and data sets, number of scans, time, processor and version.
 pub(super) fn header(facts: &RunFacts) -> Markup {
     let n_scans: u64 = facts.manifest.datasets.iter().map(|it| it.n_scans).sum();
     let origin = origin_of_run(&facts.manifest);
@@ -43,7 +43,7 @@ pub(super) fn header(facts: &RunFacts) -> Markup {
     }
 }
 
-/// Who leads, by how much and how surely.
+/// The section of verdicts: which detector leads, by how much and how surely.
 pub(super) fn verdict(facts: &RunFacts, files: &mut Vec<Figure>) -> Section {
     let origin = origin_of_run(&facts.manifest);
     let plots: Vec<_> = facts.rankings.iter().map(|it| plot(facts, it)).collect();
@@ -123,8 +123,8 @@ fn plot(facts: &RunFacts, ranking: &TaskRanking) -> crate::plots::themed_panel::
     ranking_plot(&format!("Task {}{on}", ranking.task), &rate, &rows)
 }
 
-/// What the paper of a task states for a detector, on all recordings or on those that the run is of; `None` if there is no
-/// such paper, its method did not run, or it states another rate.
+/// F-rates in percent that the paper of a task states for a detector, on KITTI if the run is of KITTI alone, else on all
+/// recordings; `None` if there is no such paper, its method did not run, or it states another rate.
 fn paper_rows<'a>(facts: &RunFacts, ranking: &'a TaskRanking) -> Option<impl Fn(&str) -> Option<f64> + 'a> {
     let table = PAPER_TABLES.iter().find(|it| it.task == ranking.task)?;
     let datasets = facts.manifest.datasets.iter().filter(|it| ranking.pool.datasets.contains(&it.id));

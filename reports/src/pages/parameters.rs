@@ -1,4 +1,4 @@
-//! The manifest: everything that decides the numbers.
+//! The manifest: everything that determines the numbers.
 
 use maud::html;
 

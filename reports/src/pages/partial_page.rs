@@ -1,4 +1,4 @@
-//! The page of a result of `scanbench partial`: how methods classify objects of which more and more is seen.
+//! The page of a result of `scanbench partial`: how methods classify objects as more and more of them is seen.
 
 use std::collections::BTreeSet;
 use std::path::Path;
@@ -30,7 +30,7 @@ pub struct PartialPage {
 }
 
 impl PartialPage {
-    /// The page of the result in `directory`, made of its files alone; of `method` there is more than of others.
+    /// The page of the result in `directory`, made of its files alone; it shows more of `method` than of others.
     ///
     /// # Errors
     ///
@@ -81,7 +81,7 @@ fn n_objects(partial: &PartialEntry, curves: &[PartialCurve]) -> u64 {
     sets.into_iter().flat_map(|it| judged_objects(curves, it).into_values()).sum()
 }
 
-/// How many are right when half and when all is seen, in a sentence for each curve of the method, and what else was `found`.
+/// The mean of recalls when half and when all is seen, in a sentence for each curve of `method`, and the sentences `found`.
 fn verdict(curves: &[PartialCurve], method: &str, found: &[String]) -> Option<Section> {
     let said = |curve: &PartialCurve| {
         let at = |step: u32| curve.steps.iter().find(|it| it.step == step)?.mean_recall;
@@ -110,7 +110,7 @@ fn tables(title: &str, curves: &[PartialCurve], method: &str) -> Section {
     Section::new("Tables", "Tables", titled_tables(&sheet, "Table"))
 }
 
-/// The mean errors to each class, as in Figs. 4 to 7 of the paper; nothing where nothing has errors.
+/// The mean errors to each class, as in Figs. 4 to 7 of the paper; `None` if `method` has no curve.
 fn errors(curves: &[PartialCurve], method: &str) -> Option<Section> {
     let ours: Vec<&PartialCurve> = curves.iter().filter(|it| it.method == method).collect();
     let content = html! {

@@ -8,7 +8,7 @@ use crate::facts::run_facts::RunFacts;
 use crate::tables::protocol_table::{ProtocolLines, ProtocolTable};
 use crate::tables::sheet::Tabular as _;
 
-/// Nothing where the run was evaluated under none.
+/// The section of protocols; `None` if the run was evaluated under none.
 pub(super) fn protocols(facts: &RunFacts) -> Option<Section> {
     let report = facts.protocols.as_ref()?;
     let [short, every] = [ProtocolLines::Short, ProtocolLines::Every]

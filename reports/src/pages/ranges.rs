@@ -41,7 +41,7 @@ pub(super) fn ranges(facts: &RunFacts, files: &mut Vec<Figure>) -> Section {
     Section::new("Range", "Near and far", content)
 }
 
-/// How many there are in each bin.
+/// Number of annotations in each bin, in words.
 fn annotations(of_task: &TaskRanges) -> String {
     let bins = of_task.bins.iter().zip(&of_task.n_annotations);
     let bins = bins.map(|(bin, n)| format!("{n} within {} m", bin.replace('-', "–")));
@@ -64,7 +64,7 @@ mod tests {
         for (rate, series) in &of_task.rates {
             for of_detector in series {
                 let drawn: Vec<bool> = of_detector.positions.iter().map(Option::is_some).collect();
-                // From 50 to 80 m nothing is detected, so that there is no precision, either.
+                // From 50 to 80 m nothing is detected, so there is no precision, either.
                 assert_eq!(
                     drawn,
                     [true, true, true, *rate != "precision", false],

@@ -27,7 +27,7 @@ pub(super) fn reproduction(facts: &RunFacts) -> Section {
     Section::new("Reproduce", "Reproduce", content)
 }
 
-/// What else a detector is made of that scanbench does not come with.
+/// Command or results of a detector that scanbench does not come with, with version and checksums.
 fn not_built_in(name: &str, foreign: &ForeignEntry) -> Markup {
     let command: Vec<String> = foreign.command.iter().map(|it| shell_word(it)).collect();
     html! {
@@ -97,7 +97,7 @@ fn made_of(manifest: &Manifest, entry: &DatasetEntry) -> Markup {
 }
 
 fn recording(manifest: &Manifest) -> Markup {
-    // The library says its own version, maybe with its name before it.
+    // The library gives its own version, maybe with its name before it.
     let version = manifest.rerun_version.as_deref().unwrap_or_default();
     html! {
         div.recording {

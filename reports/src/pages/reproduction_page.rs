@@ -13,19 +13,19 @@ use crate::reproduction::judged_claim::JudgedClaim;
 use crate::tables::sheet::{Sheet, Tabular};
 use crate::tables::studies::claims_table::{ClaimsTable, lead};
 
-/// What the page shows.
+/// Content of the page.
 pub struct ReproductionPage<'a> {
     /// The scans, in words.
     pub scans: &'a str,
     /// The claims.
     pub claims: &'a [JudgedClaim],
-    /// What has to be said of them.
+    /// Notes on the claims.
     pub notes: &'a [String],
     /// Tables below the claims, each with the title of its section.
     pub tables: &'a [(&'a str, &'a dyn Tabular)],
     /// Figures below the tables.
     pub figures: &'a [PageFigure<'a>],
-    /// The command that made it.
+    /// The command that made the page.
     pub command: &'a str,
 }
 
@@ -36,11 +36,11 @@ pub struct PageFigure<'a> {
     pub title: &'a str,
     /// The document.
     pub svg: &'a str,
-    /// What is to be said of it.
+    /// Caption of the figure.
     pub about: &'a str,
 }
 
-/// Name of the file.
+/// Name of the file of the page.
 pub const REPRODUCTION_HTML: &str = "reproduction.html";
 
 impl ReproductionPage<'_> {
@@ -91,7 +91,7 @@ impl ReproductionPage<'_> {
     }
 }
 
-/// A claim with all that was seen of it.
+/// A claim with its conclusion, settings and readings.
 fn claim(judged: &JudgedClaim) -> Markup {
     let JudgedClaim { claim, readings, settings, .. } = judged;
     html! {

@@ -28,7 +28,7 @@ use crate::run_folder::run_directory::{FIGURES, REPORT_HTML};
 pub struct RunPage {
     /// The page.
     pub html: String,
-    /// What goes into the folder [`FIGURES`].
+    /// Figures for the folder [`FIGURES`].
     pub figures: Vec<Figure>,
 }
 

@@ -20,21 +20,21 @@ use crate::vocabulary::metric::{LatencyStatistic, Metric};
 use crate::vocabulary::reason::{FalseReason, MissReason};
 use crate::vocabulary::task::Task;
 
-/// What is in the run.
+/// Content of the run.
 pub(super) struct SampleRun<'a> {
     pub(super) datasets: &'a [&'a str],
-    /// The first finds all but one of ten objects on every scan, the next ones one fewer each.
+    /// The first one finds all but one of ten objects on every scan, each next one finds one fewer.
     pub(super) detectors: &'a [&'a str],
     pub(super) tasks: &'a [Task],
-    /// Class of what is missed.
+    /// Class of the annotations.
     pub(super) class: AnnotationClass,
-    /// Scans, each of a second of its own.
+    /// Number of scans, each in a second of its own.
     pub(super) n_blocks: u32,
-    /// The last detector gave no answer to so many of the first of them.
+    /// Number of the first scans to which the last detector gave no answer.
     pub(super) n_failed: u32,
-    /// The share of its time that each detector has a processor.
+    /// Share of its time in which each detector has a processor.
     pub(super) processor_share: f64,
-    /// How far away something is detected that is not there.
+    /// Distance of the false detection ahead of the sensor, in metres.
     pub(super) false_m: f32,
 }
 
@@ -52,7 +52,7 @@ pub(super) const USUAL: SampleRun<'_> = SampleRun {
 
 const N_OBJECTS: u64 = 10;
 
-/// Whether false objects can be known, as in all that is simulated. KITTI is recorded.
+/// Whether false objects can be known, as in all simulated data sets. KITTI is recorded.
 fn knows_false(dataset: &str) -> bool {
     !dataset.starts_with("kitti")
 }
@@ -98,7 +98,7 @@ impl SampleRun<'_> {
         manifest
     }
 
-    /// What `row` makes of every data set, detector with its index, task and scan.
+    /// The rows that `row` makes of every data set, detector with its index, task and scan.
     fn each<Row>(&self, row: impl Fn(&str, (usize, &str), Task, u32) -> Vec<Row>) -> Vec<Row> {
         let mut rows = Vec::new();
         for dataset in self.datasets {

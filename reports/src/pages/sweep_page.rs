@@ -19,12 +19,12 @@ const MOST_OF_PLOT: u64 = 1 << 26;
 
 /// A kind of plots that a sweep leaves.
 struct PlotKind {
-    /// What the names of its files begin with.
+    /// Prefix of the names of its files.
     beginning: &'static str,
     /// Its name in the links at the top.
     name: &'static str,
     heading: &'static str,
-    /// What is seen on them.
+    /// Caption of the plots.
     about: &'static str,
 }
 
@@ -158,7 +158,7 @@ fn names_of_plots(directory: &Path) -> Result<Vec<String>, ArchiveError> {
     Ok(names)
 }
 
-/// Whether a document ends as it began, so that it can stand in a page.
+/// Whether a document is complete, so that it can stand in a page.
 fn is_whole(svg: &str) -> bool {
     svg.starts_with("<svg ") && svg.trim_end().ends_with("</svg>")
 }
@@ -185,7 +185,7 @@ impl Table {
         if path.is_file() { Self::read(path).map(Some) } else { Ok(None) }
     }
 
-    /// The parameters: columns with a dot or an equals sign in their name.
+    /// The parameters: columns with a dot in their name.
     fn swept(&self) -> String {
         let names: Vec<&str> = self.heads.iter().filter(|it| it.contains('.')).map(String::as_str).collect();
         if names.is_empty() { "parameters".to_owned() } else { names.join(", ") }

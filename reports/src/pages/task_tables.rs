@@ -1,4 +1,4 @@
-//! The papers' tables, with the papers' figures beside ours, and the counts they are made of.
+//! The papers' tables, with the papers' figures beside ours, and the counts that they are made of.
 
 use maud::html;
 

@@ -1,4 +1,4 @@
-//! How long detection takes: of scans, and of stages.
+//! Times of detection: of scans, and of stages.
 
 use maud::html;
 

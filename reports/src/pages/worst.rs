@@ -12,7 +12,7 @@ use crate::vocabulary::reason::MistakeKind;
 use crate::vocabulary::task::Task;
 use crate::worst::objects::{MistakeList, WorstObject};
 
-/// Nothing if no mistake has a position.
+/// The section of worst mistakes; `None` if there are none with a position, and no matches.
 pub(super) fn worst(facts: &RunFacts) -> Option<Section> {
     if facts.worst.lists().all(|(_, objects)| objects.is_empty()) {
         return None;
@@ -70,7 +70,7 @@ fn scene(
     let annotations =
         near().filter(|it| it.detector.is_none() && it.task == task).map(|it| it.bounding_box).collect();
     let is_asked = |it: &SeenBox| it.task == task;
-    // What another task asks for alone was found too, and taken for something else.
+    // A detection that counts in another task alone was found, too, and taken for something else.
     let is_elsewhere = |it: &SeenBox| {
         near().any(|other| is_asked(other) && other.detector == it.detector && other.id == it.id)
     };

@@ -1,4 +1,4 @@
-//! How partly seen objects are classified: curves over the part that is seen, and the claims of the paper about them.
+//! Classification of partly seen objects: curves over the part that is seen, and the claims of the paper about them.
 
 pub mod object_draws;
 pub mod partial_curves;

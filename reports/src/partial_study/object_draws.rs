@@ -1,4 +1,4 @@
-//! What the numbers would be if other objects had been drawn.
+//! Numbers of the partial study over resamples of its objects.
 
 use std::collections::BTreeMap;
 
@@ -8,7 +8,7 @@ use crate::uncertainty::bootstrap::{Distribution, N_RESAMPLES, Resamples};
 use crate::vocabulary::metric::PartialMetric;
 use crate::vocabulary::partial_class::PartialClass;
 
-/// The predicted classes of objects at every step, by one method that saw them from one end.
+/// The predicted classes of objects at every step, by one method, seen from one end.
 #[derive(Debug)]
 pub struct ObjectDraws<'a> {
     known: Drawn<'a>,
@@ -25,8 +25,8 @@ struct Drawn<'a> {
 }
 
 impl<'a> ObjectDraws<'a> {
-    /// Of `rows` of one method and direction. The same objects of `data` are drawn in the same way whatever their predicted
-    /// classes.
+    /// The draws of `rows`, all of one method and direction. They depend on the objects of `data` alone, not on their
+    /// predicted classes.
     pub fn of(data: &str, rows: &[&'a PartialRow]) -> Self {
         let is_known = |it: &&PartialRow| PartialClass::LEARNT.contains(&it.true_class);
         let (known, strangers): (Vec<&PartialRow>, Vec<&PartialRow>) =
@@ -39,7 +39,7 @@ impl<'a> ObjectDraws<'a> {
         self.known.objects.values()
     }
 
-    /// `metric` at `step`; `None` without objects that it is of.
+    /// The value of `metric` at `step`; `None` without objects that it counts.
     pub fn value(&self, metric: PartialMetric, step: u32) -> Option<f64> {
         let ratios: Vec<f64> = self
             .terms(metric, step)
@@ -50,7 +50,7 @@ impl<'a> ObjectDraws<'a> {
         (!ratios.is_empty()).then(|| ratios.iter().sum::<f64>() / ratios.len() as f64)
     }
 
-    /// The same for every resample.
+    /// The value of `metric` at `step` in every resample; `None` where a resample lacks a class.
     pub fn resampled(&self, metric: PartialMetric, step: u32) -> Vec<Option<f64>> {
         let of_classes: Vec<Vec<[f64; 2]>> = self
             .terms(metric, step)
@@ -70,13 +70,13 @@ impl<'a> ObjectDraws<'a> {
         (0..N_RESAMPLES).map(mean).collect()
     }
 
-    /// The interval of `metric` at `step`, with other objects drawn.
+    /// The interval of `metric` at `step` over resamples of objects.
     pub fn interval(&self, metric: PartialMetric, step: u32) -> Option<Interval> {
         let resampled = self.resampled(metric, step);
         Some(Distribution::new(resampled.into_iter(), self.blocks(metric))?.interval())
     }
 
-    /// How many objects are drawn from.
+    /// The objects that are drawn for `metric`, counted.
     pub fn blocks(&self, metric: PartialMetric) -> BlockCount {
         self.drawn(metric).resamples.blocks()
     }

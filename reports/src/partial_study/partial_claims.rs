@@ -1,4 +1,4 @@
-//! Which claims of the paper about partial clouds hold.
+//! Claims of the paper about partial clouds, and whether they hold.
 
 use serde::{Deserialize, Serialize};
 
@@ -6,7 +6,7 @@ use crate::partial_study::partial_curves::{PartialCurve, PartialStep};
 use crate::rows::partial_row::Predicted;
 use crate::vocabulary::partial_class::PartialClass;
 
-/// What the paper claims.
+/// A claim of the paper.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum PartialClaim {
@@ -18,25 +18,25 @@ pub enum PartialClaim {
     EverBetter,
 }
 
-/// What was measured of a claim.
+/// Result of a claim on measured rows.
 #[derive(Debug, Clone, PartialEq)]
 pub struct MeasuredClaim {
-    /// Whether it holds; `None` if these rows cannot decide that.
+    /// Whether the claim holds; `None` if the rows cannot decide it.
     pub holds: Option<bool>,
-    /// The numbers behind that, in words.
+    /// The numbers behind this, in words.
     pub number: String,
 }
 
-/// The first step that is late to the paper.
+/// First step that counts as late in the claims.
 const LATE: u32 = 5;
-/// Steps at which no more than a trunk is seen from below.
+/// Last step at which only the trunk is seen from below.
 const TRUNK_ALONE: u32 = 3;
 
 impl PartialClaim {
-    /// All, in the order of BG section 4.
+    /// All claims, in the order of BG section 4.
     pub const ALL: [Self; 3] = [Self::PolesFirst, Self::RightOnAverage, Self::EverBetter];
 
-    /// What the paper says.
+    /// The claim in words.
     pub fn text(self) -> &'static str {
         match self {
             Self::PolesFirst => "trees are taken for poles until the crown shows",
@@ -45,7 +45,7 @@ impl PartialClaim {
         }
     }
 
-    /// What one curve says of it.
+    /// Result of the claim on one curve.
     pub fn measured(self, curve: &PartialCurve) -> MeasuredClaim {
         let (holds, number) = match self {
             Self::PolesFirst => trees_are_poles_first(curve),
@@ -83,7 +83,7 @@ fn trees_are_poles_first(curve: &PartialCurve) -> (Option<bool>, String) {
     }
 }
 
-/// The classes whose mean error to themselves is not the least at a step, where errors are known.
+/// The classes whose mean error to themselves is not the least at a step; `None` if no errors are known.
 fn wrong_on_average(step: &PartialStep) -> Option<Vec<PartialClass>> {
     let mut wrong = Vec::new();
     let mut is_known = false;

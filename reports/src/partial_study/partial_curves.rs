@@ -1,4 +1,4 @@
-//! How a method classifies objects of which more and more is seen.
+//! How a method classifies objects as more and more of them is seen.
 
 use std::collections::BTreeMap;
 
@@ -11,11 +11,11 @@ use crate::vocabulary::partial_class::PartialClass;
 /// The objects of one class at one step.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct ClassAtStep {
-    /// How many there are.
+    /// Number of objects.
     pub n_objects: u64,
-    /// How many were classified as each of [`Predicted::ALL`].
+    /// Number of objects that were classified as each of [`Predicted::ALL`].
     pub predicted: [u64; 6],
-    /// Sums of the errors to each of [`PartialClass::ALL`], and of how many objects.
+    /// Sum of the errors to each of [`PartialClass::ALL`], and the number of objects in it.
     errors: [(f64, u64); 5],
 }
 
@@ -24,13 +24,13 @@ pub struct ClassAtStep {
 pub struct PartialStep {
     /// Number of the step.
     pub step: u32,
-    /// The classes that there are.
+    /// The classes of the objects at this step.
     pub classes: BTreeMap<PartialClass, ClassAtStep>,
     /// The mean of the recalls of the learnt classes.
     pub mean_recall: Option<f64>,
     /// Its interval over objects.
     pub within: Option<Interval>,
-    /// Where there are objects of no learnt class: the share of them classified as none of these, and that of the others.
+    /// Shares classified as none of the learnt classes: of objects of no learnt class and of others; `None` without either.
     pub rejected: Option<[Share; 2]>,
 }
 
@@ -48,19 +48,19 @@ pub struct Share {
 pub struct PartialCurve {
     /// Data set.
     pub data: String,
-    /// From which end objects are seen.
+    /// The end from which objects are seen.
     pub direction: String,
     /// The method.
     pub method: String,
-    /// What it was trained on.
+    /// Training data of the method.
     pub trained_on: String,
     /// Steps, ascending.
     pub steps: Vec<PartialStep>,
-    /// Of the objects that are right at the last step: the mean share of the steps after which they are right and stay so.
+    /// Mean share of the steps after which an object is right and stays so, over the objects right at the last step.
     pub right_and_kept_from: Option<f64>,
     /// The share of objects of learnt classes that are right at the last step.
     pub right_in_the_end: Option<f64>,
-    /// Ten bins of the chance of the predicted class: mean chance, share that was right, number.
+    /// Mean chance, share that was right and number, in bins of the chance of the predicted class: ten less the empty ones.
     pub calibration: Vec<(f64, f64, u64)>,
 }
 
@@ -77,7 +77,7 @@ impl ClassAtStep {
         (n > 0).then(|| sum / n as f64)
     }
 
-    /// Whether every object had enough to be judged by.
+    /// Whether every object had enough points to be judged.
     pub fn are_all_judged(&self) -> bool {
         self.predicted[index_of(Predicted::NotJudged)] == 0
     }
@@ -155,15 +155,14 @@ impl PartialCurve {
         }
     }
 
-    /// The first step at which every object of `class` had enough to be judged by.
+    /// The first step at which every object of `class` had enough points to be judged.
     pub fn first_step_all_judged(&self, class: PartialClass) -> Option<u32> {
         let is_whole = |it: &&PartialStep| it.classes.get(&class).is_some_and(ClassAtStep::are_all_judged);
         self.steps.iter().find(is_whole).map(|it| it.step)
     }
 }
 
-/// The mean share of steps from which objects are right and stay so, of those that are right in the end; and the share of
-/// these.
+/// [`PartialCurve::right_and_kept_from`] and [`PartialCurve::right_in_the_end`].
 fn kept(draws: &ObjectDraws<'_>, steps: &[PartialStep]) -> (Option<f64>, Option<f64>) {
     let n_steps = steps.len() as f64;
     let (mut kept_from, mut n_objects) = (Vec::new(), 0_u64);
@@ -179,7 +178,7 @@ fn kept(draws: &ObjectDraws<'_>, steps: &[PartialStep]) -> (Option<f64>, Option<
 /// Number of bins of chances.
 const N_BINS: usize = 10;
 
-/// How often a class predicted with some chance was right.
+/// [`PartialCurve::calibration`] of `rows`.
 fn calibration(rows: &[&PartialRow]) -> Vec<(f64, f64, u64)> {
     let mut bins = [(0.0, 0.0, 0_u64); N_BINS];
     for row in rows.iter().filter(|it| it.predicted != Predicted::NotJudged) {

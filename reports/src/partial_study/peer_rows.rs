@@ -1,4 +1,4 @@
-//! The classes that programs of others predicted for partly seen objects.
+//! Classes that programs of others predicted for partly seen objects.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
@@ -23,65 +23,65 @@ row! {
     }
 }
 
-/// Why a table of another program cannot stand beside ours.
+/// Error of a table of another program that cannot be compared with ours.
 #[derive(Debug, thiserror::Error)]
 pub enum PeerError {
-    /// It cannot be read.
+    /// The table cannot be read.
     #[error(transparent)]
     Archive(#[from] ArchiveError),
-    /// A class that nobody knows.
+    /// The predicted class is unknown.
     #[error("{path:?}, line {line}: {predicted:?} is no class")]
     UnknownClass {
         /// The file.
         path: PathBuf,
-        /// Which line.
+        /// The line.
         line: usize,
         /// The class in the file.
         predicted: String,
     },
-    /// A part that is not the same.
+    /// A part has another number of points than ours.
     #[error(
         "{path:?}, line {line}: {object} at step {step} from {from} has {found} points, but here it has {expected}"
     )]
     Points {
         /// The file.
         path: PathBuf,
-        /// Which line.
+        /// The line.
         line: usize,
         /// The object.
         object: String,
-        /// From which end.
+        /// The end from which it is seen.
         from: String,
         /// The step.
         step: u32,
-        /// How many points it says.
+        /// Number of points in the table.
         found: usize,
-        /// How many there are.
+        /// Number of points in our rows.
         expected: usize,
     },
-    /// A part of which nothing is said.
+    /// The table lacks a part.
     #[error("{path:?} says nothing of {object} at step {step} from {from}")]
     Missing {
         /// The file.
         path: PathBuf,
         /// The object.
         object: String,
-        /// From which end.
+        /// The end from which it is seen.
         from: String,
         /// The step.
         step: u32,
     },
 }
 
-/// What rows say that the programs of others were trained on.
+/// Training data of programs of others, as rows name it.
 pub const ELSEWHERE: &str = "elsewhere";
 
-/// The rows of `method`, whose results are in the file at `path`, for each part that `ours` judge. `class_of` says which
-/// class a word stands for. Other rows of the file are ignored.
+/// A row of `method` for each part in `ours`, from its results in the file at `path`. `class_of` returns the class that a
+/// word stands for. Other rows of the file are ignored.
 ///
 /// # Errors
 ///
-/// [`PeerError`] if the file cannot be read, lacks a part, or has another number of points of it.
+/// [`PeerError`] if the file cannot be read, lacks a part, has another number of points for it or an unknown class.
 pub fn read_peer_rows(
     path: &Path,
     method: &str,

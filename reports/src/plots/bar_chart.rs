@@ -1,4 +1,4 @@
-//! Bars for the two values of kinds of something, with their ratio.
+//! Bars for the two values of each bin, with their ratio.
 
 use plotters::style::text_anchor::{HPos, VPos};
 
@@ -10,10 +10,10 @@ use super::series::{KEY_LINE_PX, key_name};
 use crate::files::fixed_decimals::{fixed_decimals, three_digits};
 use crate::numbers::curve_pair::{CurvePair, Sides};
 
-/// Where the bars of the left and of the right side begin and end, as shares of the room of their bin.
+/// Ends of the bars of the left and of the right side, as shares of the width of their bin.
 const BARS: [[f64; 2]; 2] = [[0.14, 0.48], [0.52, 0.86]];
 
-/// Two bars for every bin, from 0 up, each with its value, and the ratio beneath.
+/// Two bars for every bin, from 0 up, each with its value; the ratio is beneath.
 pub(crate) fn bar_chart(curves: &CurvePair) -> Chart {
     let values = curves.bins.iter().flat_map(|bin| [bin.measured.left.value, bin.measured.right.value]);
     let greatest = values.flatten().fold(0.0, f64::max);
@@ -49,7 +49,7 @@ fn bin_marks(curves: &CurvePair, bin_idx: usize) -> Vec<Mark> {
     marks
 }
 
-/// The key to both sides of these `names`, in pixels from `top_px` on.
+/// The key to the bars of both sides, called `names`, in pixels from `top_px` on.
 pub(crate) fn bar_key(names: &[String; 2], top_px: f64) -> Vec<Mark> {
     const SAMPLE_PX: f64 = 44.0;
     let y_px = [top_px, top_px + f64::from(KEY_LINE_PX)];

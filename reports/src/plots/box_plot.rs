@@ -1,4 +1,4 @@
-//! The plot of how far fitted boxes are from annotated ones.
+//! The plot of the errors of fitted boxes against annotated ones.
 
 use super::figure::{Axis, Chart, Figure, Frame, Grid, LEFT_PX, Labels, Panel, TEXT_PX, USUAL_FRAME};
 use super::marks::{LINE_WIDTH_PX, Mark, SeriesMark};
@@ -6,9 +6,9 @@ use super::series::{KEY_LINE_PX, key_name};
 use crate::numbers::box_errors::{BoxError, BoxErrorLine};
 
 const ROW_PX: u32 = 240;
-/// What the slices of the panels side by side are by.
+/// Properties that the panels side by side are sliced by.
 const DRAWN: [&str; 2] = ["occlusion", "range"];
-/// Slices are an apart; fits of one slice stand this far from each other.
+/// Distance between the fits of a slice; slices are 1 apart.
 const ASIDE: f64 = 0.13;
 
 /// The plot of `lines`, all of the same data, as an SVG document: a row of panels for each of [`BoxError::OF_SLICES`], by
@@ -24,7 +24,7 @@ pub fn box_plot(lines: &[BoxErrorLine], title: &str) -> String {
     Figure { width_px: 1000, heading_px: 166, heading, rows: rows.into() }.svg(title)
 }
 
-/// The panels of an error, to the same scale.
+/// The panels of one error, to the same scale.
 fn row(lines: &[BoxErrorLine], error: BoxError) -> Vec<Panel> {
     let is_drawn = |it: &&BoxErrorLine| it.error == error && DRAWN.contains(&it.by.as_str());
     let of_error = || lines.iter().filter(is_drawn);
@@ -65,7 +65,7 @@ fn panel(lines: &[&BoxErrorLine], error: BoxError, by: &str, top: f64) -> Panel 
 
 fn slice_name(line: &BoxErrorLine) -> String {
     let blocks: Vec<_> = line.fits.iter().filter_map(|(_, it)| Some((*it)?.within?.blocks)).collect();
-    // As in tables: nothing rests on the interval.
+    // As in tables: the interval allows no conclusion.
     let sign = if blocks.iter().any(|it| it.may_be_neighbours()) {
         " ¶"
     } else if blocks.iter().any(|it| it.are_too_few()) {

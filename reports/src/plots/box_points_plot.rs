@@ -9,7 +9,7 @@ use crate::numbers::box_points::{Across, BoxPoints, CELL_M};
 
 const PANEL_WIDTH_PX: u32 = 420;
 const HEADING_PX: u32 = 44;
-/// Room of a panel for its caption and the description of its axes.
+/// Room of a panel for its caption and the titles of its axes.
 const AROUND_PX: u32 = 84;
 const LEFT_PX: u32 = 52;
 const FRAME: Frame = Frame {
@@ -19,7 +19,7 @@ const FRAME: Frame = Frame {
     grid: Grid::None,
     ..USUAL_FRAME
 };
-/// What is shown beyond the box, as a share of its length and of its width.
+/// Room beyond each side of the box, as a share of its length and of its width.
 const BEYOND: [f64; 2] = [0.3, 0.5];
 
 /// The panels of each class in a row, to the same scale within the row, as an SVG document. `title` says what is shown, and
@@ -39,7 +39,7 @@ pub fn box_points_plot(rows: &[Vec<BoxPoints>], title: &str) -> String {
     figure.svg(title)
 }
 
-/// Half of what is shown along and across, in metres: the largest box of the row and some room.
+/// Half of the window along and across, in metres: half of the largest box of the row, and some room.
 fn half_window_m(row: &[BoxPoints]) -> [f64; 2] {
     std::array::from_fn(|axis| {
         let largest_m = row.iter().map(|it| it.length_width_m[axis]).fold(0.1, f64::max);
@@ -47,7 +47,7 @@ fn half_window_m(row: &[BoxPoints]) -> [f64; 2] {
     })
 }
 
-/// So high that a metre is as long along as across.
+/// Height of a row, in pixels, in which a metre is as long along as across.
 fn row_height_px([half_length_m, half_width_m]: [f64; 2]) -> u32 {
     let width_px = f64::from(PANEL_WIDTH_PX - LEFT_PX - 24);
     (width_px * half_width_m / half_length_m) as u32 + AROUND_PX
@@ -86,29 +86,29 @@ fn panel(points: &BoxPoints, [half_length_m, half_width_m]: [f64; 2]) -> Panel {
     Chart { caption, frame: FRAME, ..Chart::new(x, y, marks) }.into()
 }
 
-/// 1 to [`N_SHADES`] for what holds so much of what the fullest cell holds, each for half of what the next one holds; nothing
-/// for less than the first.
+/// Shade of a cell, 1 to [`N_SHADES`], by its share of the fullest cell. Each shade stands for half the share of the next
+/// one; `None` below the first.
 fn shade(of_fullest: f64) -> Option<u32> {
     let steps_below = (-of_fullest.log2()).floor();
     (steps_below < f64::from(N_SHADES)).then(|| N_SHADES - steps_below.max(0.0) as u32)
 }
 
-/// Without transparency, of which files become large.
+/// Colour of a shade, without transparency, which would make files large.
 fn color_of(shade: u32) -> RGBColor {
     color(shade_hue(shade).on_light)
 }
 
-/// Cells of one shade above one another.
+/// Neighbouring cells of one shade above one another.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 struct ShadedColumn {
     x: i32,
-    /// The first cell, and the one after the last.
+    /// The first cell; `to` is the one after the last.
     from: i32,
     to: i32,
     shade: u32,
 }
 
-/// Joins neighbours of one shade, so that the file stays small. The cells come column by column.
+/// Joins neighbouring cells of one shade, so that the file stays small. The cells must come column by column.
 fn columns(cells: impl Iterator<Item = ([i32; 2], u32)>) -> Vec<ShadedColumn> {
     let mut columns: Vec<ShadedColumn> = Vec::new();
     for ([x, y], shade) in cells {
@@ -135,7 +135,7 @@ mod tests {
         let points = BoxPoints::of(AnnotationClass::Car, "hull box", [framed].into_iter());
         let svg = box_points_plot(&[vec![points.clone(), points]], "Streets (simulated)");
         check_holds(&svg, &["Streets (simulated)", "car, hull box (n 1)", "to the front (m)"]);
-        // In each panel the fullest cell, and one half as full; what lies far away in none.
+        // In each panel the fullest cell and one half as full; far cells in none.
         let n_of_shade = |it: u32| {
             let RGBColor(red, green, blue) = color_of(it);
             svg.matches(&format!("fill=\"{}\"", hex([red, green, blue]))).count()

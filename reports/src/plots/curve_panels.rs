@@ -14,7 +14,7 @@ const PANEL_PX: u32 = 300;
 /// Room above and below the values, as a share of their spread.
 const HEADROOM: f64 = 0.08;
 
-/// Something that is pointed at, with what is said about it.
+/// A marked position, with its text.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) enum Note {
     /// A ring around the position.
@@ -33,7 +33,7 @@ pub(crate) struct CurvePanel {
     pub(crate) title: String,
     pub(crate) x_title: String,
     pub(crate) y_title: String,
-    /// What stands at the positions of the x axis if these are no numbers.
+    /// Labels of the positions on the x axis, if these are no numbers.
     pub(crate) x_words: Option<Vec<String>>,
     pub(crate) series: Vec<Series>,
     pub(crate) notes: Vec<Note>,
@@ -44,7 +44,7 @@ pub(crate) struct CurvePanel {
 }
 
 impl CurvePanel {
-    /// A panel with these titles of axes, without anything in it.
+    /// An empty panel with these titles of axes.
     pub(crate) fn over(x_title: impl Into<String>, y_title: impl Into<String>) -> Self {
         Self { x_title: x_title.into(), y_title: y_title.into(), ..Self::default() }
     }
@@ -118,7 +118,7 @@ fn note_marks(note: &Note, [left, right]: [f64; 2], y: [f64; 2]) -> Vec<Mark> {
     }
 }
 
-/// From left to right and from below to above all that is drawn; `None` if there is nothing.
+/// Ends of the x and of the y axis around all that is drawn; `None` if nothing is.
 fn ranges(panel: &CurvePanel) -> Option<[[f64; 2]; 2]> {
     let positions = || panel.series.iter().flat_map(|it| &it.positions).flatten();
     let spread = |values: &mut dyn Iterator<Item = f64>| {

@@ -18,13 +18,13 @@ const PANELS_PX: u32 = 532;
 const CURVES_PX: u32 = 320;
 /// Room above the uppermost and below the lowest value, as a factor.
 const HEADROOM: f64 = 1.4;
-/// The scale of ratios goes at least this far from 1, in doublings.
+/// The scale of ratios reaches at least this far from 1, in doublings.
 const LEAST_REACH: f64 = 1.2;
-/// What is farther from 1 than this, in doublings, is drawn at the edge.
+/// The scale of ratios reaches at most this far from 1, in doublings; ratios beyond it are drawn at the edge.
 const GREATEST_REACH: f64 = 3.2;
 
-/// The plot as an SVG document: curves over a length with their ratios beneath, or bars where the bins are kinds of
-/// something. `names` says what was measured on each side, and whether it is simulated.
+/// The plot as an SVG document: curves over a length with their ratios beneath, or bars if the bins are kinds of
+/// something. `names` are those of both sides, and say whether they are simulated.
 pub fn curve_plot(curves: &CurvePair, names: Sides<&str>) -> String {
     let ends_m = curves.bins.first().zip(curves.bins.last()).and_then(|(first, last)| {
         let ([from_m, _], [_, to_m]) = first.ends_m.zip(last.ends_m)?;
@@ -47,8 +47,7 @@ pub fn curve_plot(curves: &CurvePair, names: Sides<&str>) -> String {
     Figure { width_px: 900, heading_px: HEADING_PX, heading, rows }.svg(&title)
 }
 
-/// Both curves, on a scale on which the same ratio is the same distance everywhere. Values of 0, which have no position on
-/// it, are gaps.
+/// Both curves, on a logarithmic scale. Values of 0, which have no position on it, are gaps.
 fn line_chart(curves: &CurvePair, ends_m: [f64; 2]) -> Chart {
     let ends = value_range(curves);
     let sides: [fn(&CurveBin) -> Measured; 2] = [|bin| bin.measured.left, |bin| bin.measured.right];
@@ -64,7 +63,7 @@ fn line_chart(curves: &CurvePair, ends_m: [f64; 2]) -> Chart {
     Chart { frame, ..Chart::new(x, y, series_marks(&series, Points::Marked { apart: 0.0 }, ends)) }
 }
 
-/// Left over right for every bin that has a ratio, with the band in which two values pass for alike.
+/// Left over right for every bin that has a ratio, with the band in which two values count as alike.
 fn ratio_chart(curves: &CurvePair, ends_m: [f64; 2]) -> Chart {
     let ratios: Vec<(f64, f64)> = (0..curves.bins.len())
         .filter_map(|bin_idx| Some((middle_m(&curves.bins[bin_idx])?, curves.ratio(bin_idx)?.log2())))
@@ -91,12 +90,12 @@ fn ratio_chart(curves: &CurvePair, ends_m: [f64; 2]) -> Chart {
     Chart { frame, band: Some(band), ..Chart::new(x, y, marks) }
 }
 
-/// The middle of a bin with ends.
+/// The middle of a bin in metres; `None` if it has no ends.
 fn middle_m(bin: &CurveBin) -> Option<f64> {
     bin.ends_m.map(|[from_m, to_m]| f64::midpoint(from_m, to_m))
 }
 
-/// Of every bin its value, if that has a position on the scale.
+/// The position of every bin; `None` if its value has none on the scale.
 fn positions(curves: &CurvePair, side: impl Fn(&CurveBin) -> Measured) -> Vec<Option<Position>> {
     let position = |bin: &CurveBin| {
         let y = side(bin).value.filter(|&value| value > 0.0)?;
@@ -105,7 +104,7 @@ fn positions(curves: &CurvePair, side: impl Fn(&CurveBin) -> Measured) -> Vec<Op
     curves.bins.iter().map(position).collect()
 }
 
-/// From below the least value above 0 to above the greatest.
+/// Ends of the scale: below the least value above 0, and above the greatest value.
 fn value_range(curves: &CurvePair) -> [f64; 2] {
     let values = curves.bins.iter().flat_map(|bin| [bin.measured.left.value, bin.measured.right.value]);
     let shown = values.flatten().filter(|&value| value > 0.0);

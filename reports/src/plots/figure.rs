@@ -15,11 +15,11 @@ use super::svg_backend::SvgBackend;
 use super::themed_panel::ThemedPanel;
 use crate::files::fixed_decimals::fixed_decimals;
 
-/// Room left of the description of the vertical axes, in pixels.
+/// Room left of the titles of the vertical axes, in pixels.
 pub(crate) const LEFT_MARGIN_PX: u32 = 14;
-/// Room left of the vertical axes, the same in all panels so that these are flush, in pixels.
+/// Room left of the vertical axes, in pixels; the same in all panels, so that these are flush.
 pub(crate) const LEFT_ROOM_PX: u32 = 80;
-/// Where the axes begin, in pixels.
+/// Left end of the axes, in pixels.
 pub(crate) const LEFT_PX: f64 = (LEFT_MARGIN_PX + LEFT_ROOM_PX) as f64;
 /// Height of the text on axes and beside data, in pixels.
 pub(crate) const TEXT_PX: i32 = 15;
@@ -28,26 +28,26 @@ pub(crate) const TEXT_PX: i32 = 15;
 #[derive(Clone)]
 pub struct Figure {
     pub(crate) width_px: u32,
-    /// Height of what stands above the panels, in pixels.
+    /// Height of the heading above the panels, in pixels.
     pub(crate) heading_px: u32,
-    /// Title and key, in pixels.
+    /// Title and key, at positions in pixels.
     pub(crate) heading: Vec<Mark>,
-    /// From above: the height in pixels of a row, and its panels from the left. All are equally wide.
+    /// Rows from above, each with its height in pixels and its panels from the left. All panels are equally wide.
     pub(crate) rows: Vec<(u32, Vec<Panel>)>,
 }
 
 /// A part of a figure.
 #[derive(Clone, Default)]
 pub(crate) struct Panel {
-    /// In pixels.
+    /// Marks at positions in pixels.
     pub(crate) marks: Vec<Mark>,
     pub(crate) chart: Option<Chart>,
 }
 
-/// Two axes, and what is drawn between them.
+/// Two axes, and the marks between them.
 #[derive(Clone)]
 pub(crate) struct Chart {
-    /// What stands above it, with its height in pixels.
+    /// Text above the chart, with its height in pixels.
     pub(crate) caption: Option<(String, i32)>,
     pub(crate) frame: Frame,
     pub(crate) x: Axis,
@@ -60,7 +60,7 @@ pub(crate) struct Chart {
 /// How axes are drawn, and the room around them.
 #[derive(Clone, Copy)]
 pub(crate) struct Frame {
-    /// Above, to the right, below and to the left, in pixels.
+    /// Margins above, to the right, below and to the left, in pixels.
     pub(crate) margins_px: [u32; 4],
     /// Room for labels and titles, below and to the left, in pixels.
     pub(crate) room_px: [u32; 2],
@@ -74,7 +74,7 @@ pub(crate) struct Frame {
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Grid {
     Both,
-    /// Those of the vertical axis.
+    /// Lines at the ticks of the vertical axis.
     Level,
     None,
 }
@@ -82,7 +82,7 @@ pub(crate) enum Grid {
 /// One axis.
 #[derive(Clone)]
 pub(crate) struct Axis {
-    /// With its unit; nothing stands there if it is empty.
+    /// Title with the unit; may be empty.
     pub(crate) title: String,
     pub(crate) scale: Scale,
     /// The greatest number of ticks.
@@ -90,29 +90,29 @@ pub(crate) struct Axis {
     pub(crate) labels: Labels,
 }
 
-/// From one end to the other.
+/// Scale of an axis, from one end to the other.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) enum Scale {
     Linear([f64; 2]),
-    /// The same ratio is the same distance everywhere.
+    /// Logarithmic: equal ratios are equal distances.
     Logarithmic([f64; 2]),
 }
 
-/// What stands at ticks.
+/// Labels at ticks.
 #[derive(Clone)]
 pub(crate) enum Labels {
     Numbers,
-    /// At the whole numbers from 0 on.
+    /// These words at the whole numbers from 0 on.
     Words(Vec<String>),
-    /// Ratios where the value, in doublings, is whole.
+    /// Ratios at whole values, which are doublings.
     Ratios,
-    /// Ticks alone.
+    /// Ticks without labels.
     Blank,
     /// Neither ticks nor a line.
     NoAxis,
 }
 
-/// A chart that is as wide as a page.
+/// A chart as wide as a page.
 pub(crate) const USUAL_FRAME: Frame = Frame {
     margins_px: [8, 20, 0, LEFT_MARGIN_PX],
     room_px: [46, LEFT_ROOM_PX],
@@ -122,7 +122,7 @@ pub(crate) const USUAL_FRAME: Frame = Frame {
 };
 
 type Area<'a> = DrawingArea<SvgBackend<'a>, Shift>;
-/// It fails only where a panel has no room at all.
+/// Drawing fails only if a panel has no room at all.
 type Drawn = Result<(), DrawingAreaErrorKind<std::fmt::Error>>;
 
 impl Figure {
@@ -131,12 +131,12 @@ impl Figure {
         Self { width_px, heading_px: height_px, heading: marks, rows: Vec::new() }
     }
 
-    /// A document that stands alone; `label` says what is seen.
+    /// A standalone document; `label` describes it.
     pub fn svg(&self, label: &str) -> String {
         self.panel(label.to_owned()).document()
     }
 
-    /// For a page; `label` says what is seen.
+    /// A panel for a page; `label` describes it.
     pub fn panel(&self, label: String) -> ThemedPanel {
         ThemedPanel { size_px: self.size_px(), label, elements: self.elements() }
     }
@@ -231,7 +231,7 @@ impl From<Chart> for Panel {
 }
 
 impl Chart {
-    /// A chart that is as wide as a page.
+    /// A chart as wide as a page.
     pub(crate) fn new(x: Axis, y: Axis, marks: Vec<Mark>) -> Self {
         Self { caption: None, frame: USUAL_FRAME, x, y, band: None, marks }
     }
@@ -243,7 +243,7 @@ impl Axis {
         Self { title: title.into(), scale: Scale::Linear(ends), n_ticks, labels: Labels::Numbers }
     }
 
-    /// The same with other labels.
+    /// This axis with other labels.
     pub(crate) fn labelled(self, labels: Labels) -> Self {
         Self { labels, ..self }
     }

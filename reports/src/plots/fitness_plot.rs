@@ -8,7 +8,7 @@ use crate::numbers::sweep_score::{FitnessValue, SweepScores};
 use crate::vocabulary::extent::Extent;
 
 /// The readings of the fitness of the cells of `extent` over their size: a panel for each reading. `None` if cell sizes are
-/// not what is swept.
+/// not swept.
 ///
 /// Paper: HG Fig. 6 a.
 pub fn fitness_plot(sweep: &SweepScores, extent: &Extent) -> Option<String> {
@@ -21,7 +21,7 @@ pub fn fitness_plot(sweep: &SweepScores, extent: &Extent) -> Option<String> {
         for curve in &curves {
             let positions: Vec<_> =
                 readings(curve, reading_idx).map(|(x, it)| fitness_position(x, it)).collect();
-            // Tasks, and parameters that are none of the grid's, have the same cells.
+            // Curves that differ in task, or in parameters outside the grid, have the same cells.
             if series.iter().all(|it| it.positions != positions) {
                 let detector = &curve.first().subject.detector;
                 let turn = of_detectors.iter().filter(|it| *it == detector).count();
@@ -79,8 +79,8 @@ fn fitness_position(x: f64, value: &FitnessValue) -> Option<Position> {
     Some(Position { x, y: value.value?, within: value.within })
 }
 
-/// The y axis of a reading that has a range: that of its values, as far as they are near the range, so that a pole does not
-/// flatten all others.
+/// Ends of the y axis of a reading with a range: around its values near the range, so that a pole does not flatten all
+/// others. `None` if all values are in range.
 fn with_range(values: &[(f64, &FitnessValue)], [low, high]: [f64; 2]) -> Option<[f64; 2]> {
     let near =
         values.iter().filter_map(|(_, it)| it.value).filter(|it| (low - 1.0..=high + 1.0).contains(it));
@@ -102,7 +102,7 @@ fn panel_title(name: &str, values: &[(f64, &FitnessValue)]) -> String {
     }
 }
 
-/// What a reading is measured in.
+/// Unit of a reading.
 fn reading_unit(name: &str) -> &'static str {
     match name {
         "knuth" => "log posterior (nats/point)",

@@ -1,4 +1,4 @@
-//! The plot of how many pairs are separated, by gap.
+//! The plot of the share of pairs that are separated, over the gap.
 
 use super::figure::{Axis, Chart, Figure, LEFT_PX, Panel};
 use super::marks::Mark;
@@ -46,7 +46,7 @@ fn panel(curves: &[&GapCurve], marks: &DetectorMarks<'_>) -> Panel {
     Chart::new(x, y, series_marks(&series, Points::Marked { apart: 0.008 }, shares)).into()
 }
 
-/// The shares at the gaps at which pairs were judged.
+/// The shares of separated pairs, at the gaps with seen pairs.
 fn series(curve: &GapCurve, marks: &DetectorMarks<'_>) -> Series {
     let positions = curve.points.iter().filter_map(|(gap_m, counts)| {
         let within = counts.separated_within()?.map(|it| it * 100.0);

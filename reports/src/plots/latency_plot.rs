@@ -1,4 +1,4 @@
-//! The share of scans that are done within a time.
+//! The plot of the share of scans that finish within a time.
 
 use super::figure::{Axis, Scale};
 use super::marks::SeriesMark;
@@ -6,12 +6,12 @@ use super::series::{Points, Position, Series};
 use super::small_panel::small_panel;
 use super::themed_panel::ThemedPanel;
 
-/// A panel of that title with a curve of every detector, whose times are in milliseconds, ascending and above zero; `None`
-/// without any.
+/// A panel called `title` with a curve for every detector. Times are in milliseconds, ascending and above zero; `None`
+/// without times.
 pub fn latency_plot(title: &str, of_detectors: &[(String, Vec<f64>)]) -> Option<ThemedPanel> {
     let times = || of_detectors.iter().flat_map(|(_, times)| times).copied();
     let (least, most) = (times().reduce(f64::min)?, times().reduce(f64::max)?);
-    // A power of ten is on the axis in any case.
+    // The axis always has a power of ten.
     let from = 10_f64.powf(least.log10().floor());
     let to = (1.5 * most).max(12.0 * from);
     let series: Vec<Series> = of_detectors
@@ -25,10 +25,10 @@ pub fn latency_plot(title: &str, of_detectors: &[(String, Vec<f64>)]) -> Option<
     Some(small_panel([title, about], x, "scans (%)", &series, Points::Line))
 }
 
-/// More steps than this cannot be seen.
+/// Most steps that can be distinguished.
 const MOST_STEPS: usize = 2000;
 
-/// The share rises by a step at every time or, of very many, at as many of them as can be seen.
+/// Positions of the share, which rises at every time, or at no more than [`MOST_STEPS`] of very many.
 fn steps(times: &[f64]) -> Vec<Option<Position>> {
     let n = times.len() as f64;
     let n_at_once = times.len().div_ceil(MOST_STEPS).max(1);
@@ -36,7 +36,7 @@ fn steps(times: &[f64]) -> Vec<Option<Position>> {
     let positions = times.chunks(n_at_once).flat_map(|alike| {
         let n_done = [n_before, n_before + alike.len()];
         n_before = n_done[1];
-        // Nothing is said to be done earlier than it was.
+        // The latest time of the chunk: no scan is drawn earlier than it finished.
         n_done.map(|n_done| {
             Some(Position { x: alike[alike.len() - 1], y: 100.0 * n_done as f64 / n, within: None })
         })

@@ -1,4 +1,4 @@
-//! What becomes of the annotated objects on their way through the stages of a detector.
+//! The plot of the losses of annotated objects, stage by stage of a detector.
 
 use plotters::style::text_anchor::{HPos, VPos};
 
@@ -22,19 +22,19 @@ const NUMBERS_PX: f64 = 96.0;
 /// The objects that a detector had to find, and those that it missed, by reason in the order of the stages.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Losses {
-    /// The detector, or what it does.
+    /// Title of the panel: the detector, or its work.
     pub title: String,
-    /// Its index in the order of the run, which decides the colour.
+    /// Index of the detector in the order of the run, which determines the colour.
     pub detector_idx: usize,
     /// Annotations that count.
     pub n_annotations: u64,
-    /// For each reason how many were missed.
+    /// Reasons, each with the number of missed objects.
     pub missed: Vec<(String, u64)>,
 }
 
 impl Losses {
-    /// Those of each detector of `errors` that missed anything; all have the same reasons. `detector_idx` says which colour a
-    /// detector has.
+    /// The losses of each detector of `errors` that missed any object; all have the same reasons. `detector_idx` returns the
+    /// index of a detector in the order of the run.
     pub fn of(errors: &ErrorTable<'_>, detector_idx: impl Fn(&str) -> usize) -> Vec<Self> {
         let is_missed = |it: &ErrorRow| it.slice == Slice::All && it.mistake == MistakeKind::Missed;
         let reasons = errors.reasons(is_missed);
@@ -51,8 +51,8 @@ impl Losses {
     }
 }
 
-/// A panel with a bar for all objects, one for those that each reason takes away, where what it leaves ends, and one for
-/// those that are found.
+/// A panel with a bar for all objects, one for the objects lost for each reason, which begins where the remaining ones
+/// end, and one for the found objects.
 pub fn loss_plot(losses: &Losses) -> ThemedPanel {
     let bars = bars(losses);
     let size_px = [WIDTH_PX, HEADING_PX + ROW_PX * bars.len() as u32 + 4];
@@ -61,7 +61,7 @@ pub fn loss_plot(losses: &Losses) -> ThemedPanel {
     Figure::of_marks(size_px, marks(losses, &bars)).panel(label)
 }
 
-/// A bar, from and to so many objects.
+/// A bar; its ends are numbers of objects.
 struct Bar<'a> {
     name: &'a str,
     ends: [u64; 2],
@@ -103,10 +103,10 @@ fn marks(losses: &Losses, bars: &[Bar<'_>]) -> Vec<Mark> {
         let of_height = |from_px, to_px| [(from_px, top_px + 4.0), (to_px, top_px + row_px - 4.0)];
         marks.push(text(NAMES_PX - 8.0, middle_px, bar.name.to_owned(), HPos::Right));
         if bar.is_lost {
-            // What is left behind this stage.
+            // The objects that remain after this stage.
             marks.push(Mark::rectangle(of_height(NAMES_PX, from_px), QUIET));
         }
-        // What is too short to be seen is a hair line.
+        // A bar that is too short to be seen becomes a hair line.
         let to_px = if bar.ends[1] > bar.ends[0] { to_px.max(from_px + 1.0) } else { to_px };
         marks.push(Mark::rectangle(of_height(from_px, to_px), color));
         marks.push(text(f64::from(WIDTH_PX) - 2.0, middle_px, number(bar, losses), HPos::Right));

@@ -1,4 +1,4 @@
-//! What is drawn on panels: lines, rectangles, circles, markers of series and text, at positions of data or of pixels.
+//! Marks on panels: lines, rectangles, circles, markers of series and text, at positions of data or of pixels.
 
 use std::slice::Iter;
 
@@ -11,30 +11,30 @@ use super::palette::{self, Rgb, detector_hue};
 
 /// Width of the lines of the data, in pixels.
 pub(crate) const LINE_WIDTH_PX: u32 = 2;
-/// What is said about data.
+/// Text and notes about data.
 pub(crate) const BLACK: RGBColor = color(palette::BLACK);
 /// Grid lines and frames.
 pub(crate) const QUIET: RGBColor = color(palette::QUIET);
 
-/// Something drawn.
+/// A mark on a panel.
 #[derive(Clone)]
 pub(crate) struct Mark {
-    /// Across and upright, as the axes of a chart have them; in pixels, from the upper left corner.
+    /// Positions across and upright, in units of the axes of a chart; in pixels, from the upper left corner.
     positions: Vec<(f64, f64)>,
     shape: Shape,
 }
 
 #[derive(Clone)]
 enum Shape {
-    /// Through all positions, with the lengths of dashes and of gaps in pixels.
+    /// A line through all positions, with the lengths of dashes and of gaps in pixels.
     Line(ShapeStyle, Option<[i32; 2]>),
-    /// Filled, between two corners.
+    /// A filled rectangle between two corners.
     Rectangle(RGBColor),
-    /// With its radius in pixels.
+    /// A circle with its radius in pixels.
     Circle(u32, ShapeStyle),
     /// Paths, in pixels from the position.
     Paths(&'static [&'static [[i32; 2]]], ShapeStyle),
-    /// With its distance in pixels from the position.
+    /// Text with its distance in pixels from the position.
     Text(String, [i32; 2], TextStyle<'static>),
 }
 
@@ -48,7 +48,7 @@ impl Mark {
         Self { positions: positions.into_iter().collect(), shape }
     }
 
-    /// A line, with the lengths of dashes and of gaps in pixels.
+    /// This line with dashes and gaps of these lengths in pixels.
     pub(crate) fn dashed(self, dashes_px: Option<[i32; 2]>) -> Self {
         match self.shape {
             Shape::Line(style, _) => Self { shape: Shape::Line(style, dashes_px), ..self },
@@ -60,7 +60,7 @@ impl Mark {
         Self { positions: corners.to_vec(), shape: Shape::Rectangle(color) }
     }
 
-    /// An upright rectangle with nothing in it.
+    /// The outline of an upright rectangle.
     pub(crate) fn outline([from, to]: [(f64, f64); 2], color: RGBColor) -> Self {
         Self::line([from, (to.0, from.1), to, (from.0, to.1), from], color, LINE_WIDTH_PX)
     }
@@ -69,7 +69,7 @@ impl Mark {
         Self { positions: vec![position], shape: Shape::Circle(radius_px, style) }
     }
 
-    /// A cross, as markers of series have it but larger.
+    /// A cross, larger than the markers of series.
     pub(crate) fn cross(position: (f64, f64)) -> Self {
         const PATHS: &[&[[i32; 2]]] = &[&[[-5, -5], [5, 5]], &[[-5, 5], [5, -5]]];
         Self { positions: vec![position], shape: Shape::Paths(PATHS, BLACK.stroke_width(2)) }
@@ -101,7 +101,7 @@ pub(crate) const fn color([red, green, blue]: Rgb) -> RGBColor {
     RGBColor(red, green, blue)
 }
 
-/// Text whose lines are `height_px` high, placed by that side of it.
+/// Text whose lines are `height_px` high, placed by its sides `horizontal` and `vertical`.
 pub(crate) fn text_style(height_px: i32, horizontal: HPos, vertical: VPos) -> TextStyle<'static> {
     let style: TextStyle<'static> = ("sans-serif", height_px).into_font().color(&BLACK);
     style.pos(Pos::new(horizontal, vertical))
@@ -113,7 +113,7 @@ pub(crate) fn bold_style(height_px: i32) -> TextStyle<'static> {
     style.pos(Pos::new(HPos::Left, VPos::Center))
 }
 
-/// How the series of this number is drawn: series differ by form as well as by colour, and no two of sixty in both.
+/// Form and colour of the series of this number; no two of sixty series have both in common.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) struct SeriesMark(pub(crate) usize);
 

@@ -1,11 +1,11 @@
-//! The plot of what a classifier gains and loses as its threshold falls.
+//! The plot of the rates of a classifier as its threshold falls.
 
 use super::figure::{Axis, Chart, Figure, LEFT_PX, Panel};
 use super::marks::{Mark, SeriesMark};
 use crate::numbers::operating_curve::OperatingRow;
 
 /// The plot as an SVG document: the receiver operating characteristic on the left, precision over recall on the right.
-/// `title` says what was judged.
+/// `title` names the judged data.
 pub fn operating_plot(rows: &[OperatingRow], title: &str) -> String {
     // A classifier that classifies nothing as a vehicle has recall 0 and makes no mistake.
     let roc = std::iter::once((0.0, 0.0)).chain(rows.iter().filter_map(OperatingRow::roc_position));

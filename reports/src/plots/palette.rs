@@ -3,15 +3,15 @@
 /// Red, green and blue, 0 to 255.
 pub type Rgb = [u8; 3];
 
-/// Text, axes, and what is annotated.
+/// Text, axes and annotations.
 pub const BLACK: Rgb = [0, 0, 0];
-/// Behind what stands alone.
+/// Background of standalone documents.
 pub const WHITE: Rgb = [255, 255, 255];
-/// Behind everything on a dark page.
+/// Background of dark pages.
 pub const DARK_PAPER: Rgb = [20, 22, 27];
-/// What is not data: grid lines, frames.
+/// Grid lines and frames, which are no data.
 pub const QUIET: Rgb = [215, 215, 215];
-/// Behind grid lines.
+/// Band behind grid lines.
 pub const BAND: Rgb = [232, 234, 237];
 /// Orange.
 pub const ORANGE: Rgb = [230, 159, 0];
@@ -31,9 +31,9 @@ pub const REDDISH_PURPLE: Rgb = [204, 121, 167];
 /// A hue that keeps its distance from light and from dark backgrounds.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Hue {
-    /// Bright.
+    /// The bright colour.
     pub on_dark: Rgb,
-    /// Deep.
+    /// The deep colour.
     pub on_light: Rgb,
 }
 
@@ -86,7 +86,7 @@ mod tests {
         (a.max(b) + 0.05) / (a.min(b) + 0.05)
     }
 
-    /// What a person without one kind of cones sees, as linear light.
+    /// `color` as a person without one kind of cones sees it, as linear light.
     ///
     /// Viénot, Brettel and Mollon 1999: Digital video colourmaps for checking the legibility of displays by dichromats.
     fn seen_without(matrix: [[f64; 3]; 3], color: Rgb) -> [f64; 3] {

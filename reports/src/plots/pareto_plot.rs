@@ -37,7 +37,7 @@ pub fn pareto_plot(sweep: &SweepScores, extent: &Extent) -> Option<String> {
         let series = detectors.into_iter().map(|name| Series {
             name: name.to_owned(),
             mark: marks.mark(name, 0),
-            // Single positions between gaps: nothing leads from one to the next.
+            // Single positions between gaps: no line joins them.
             positions: points
                 .iter()
                 .filter(|it| it.2 == name)
@@ -58,7 +58,7 @@ pub fn pareto_plot(sweep: &SweepScores, extent: &Extent) -> Option<String> {
     (!panels.is_empty()).then(|| curve_figure(&panels, &title).svg(&title))
 }
 
-/// A ring around every point of the front, and its values unless they would run into those of the one before.
+/// A ring around every point of the front, with its text unless that would run into an earlier one.
 fn front_notes(points: &[(f64, f64, &str, String)], front: &[usize]) -> Vec<Note> {
     let reach = |of: fn(&(f64, f64, &str, String)) -> f64| {
         let ends = points
@@ -82,7 +82,7 @@ fn front_notes(points: &[(f64, f64, &str, String)], front: &[usize]) -> Vec<Note
     notes
 }
 
-/// Indices of the points that no other is at least as fast and as good as, and better in one of both; the fastest first.
+/// Indices of the points, the fastest first, to which no other point is at least equal in both and better in one.
 pub(crate) fn pareto_front(points: &[(f64, f64)]) -> Vec<usize> {
     let beats = |a: &(f64, f64), b: &(f64, f64)| a.0 <= b.0 && a.1 >= b.1 && a != b;
     let mut front: Vec<usize> =

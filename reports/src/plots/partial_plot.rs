@@ -1,4 +1,4 @@
-//! Plots of how partly seen objects are classified.
+//! Plots of the classification of partly seen objects.
 
 use super::curve_panels::{CurvePanel, Note, curve_figure};
 use super::figure::Figure;
@@ -56,7 +56,7 @@ pub fn partial_accuracy_plot(curves: &[PartialCurve], title: &str) -> Figure {
     curve_figure(&panels.collect::<Vec<_>>(), title)
 }
 
-/// How often a class predicted with some chance was right; the thin line is where both are the same.
+/// Share of predicted classes that were right over their chance; on the thin line both are equal.
 pub fn partial_calibration_plot(curves: &[PartialCurve], title: &str) -> Figure {
     let panels = curves.iter().filter(|it| !it.calibration.is_empty()).map(|curve| {
         let position = |&(chance, right, _): &(f64, f64, u64)| {

@@ -9,7 +9,7 @@ use svg2pdf::{ConversionOptions, PageOptions};
 
 use crate::files::archive::ArchiveError;
 
-/// The fonts of all figures, whichever machine they are made on.
+/// The fonts of all figures, the same on every machine.
 static FONTS: LazyLock<Arc<Database>> = LazyLock::new(|| {
     let mut fonts = Database::new();
     fonts.load_font_data(dejavu::sans::regular().to_vec());
@@ -18,10 +18,10 @@ static FONTS: LazyLock<Arc<Database>> = LazyLock::new(|| {
     Arc::new(fonts)
 });
 
-/// Pixels of an SVG, of which a PDF has 72 points.
+/// Pixels of an SVG in an inch, for which a PDF has 72 points.
 const PIXELS_PER_INCH: f32 = 96.0;
 
-/// The files of the figure `svg`, which is called `stem`: as SVG and as PDF.
+/// The files of the figure `svg`, an SVG and a PDF: their names, made of `stem`, and contents.
 ///
 /// # Errors
 ///
@@ -40,7 +40,7 @@ pub fn figure_files(stem: &str, svg: &str) -> Result<[(String, Vec<u8>); 2], Arc
 ///
 /// # Errors
 ///
-/// What is wrong with `svg`, if it is no drawing.
+/// A message if `svg` is no drawing.
 fn pdf_of(svg: &str) -> Result<Vec<u8>, String> {
     let options = Options { fontdb: Arc::clone(&FONTS), ..Options::default() };
     let tree = Tree::from_str(&without_themes(svg), &options).map_err(|error| error.to_string())?;
@@ -48,8 +48,8 @@ fn pdf_of(svg: &str) -> Result<Vec<u8>, String> {
         .map_err(|error| error.to_string())
 }
 
-/// `svg` without the style that follows the theme of a page, of which a converter understands half: attributes have the
-/// colours of print.
+/// `svg` without the style that follows the theme of a page, which the converter understands only in part. The attributes
+/// have the colours of print.
 fn without_themes(svg: &str) -> String {
     match (svg.split_once("<style>"), svg.split_once("</style>")) {
         (Some((before, _)), Some((_, after))) => format!("{before}{after}"),

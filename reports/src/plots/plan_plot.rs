@@ -1,4 +1,4 @@
-//! What stands where, seen from above, as several detectors see it.
+//! Plans: positions and outlines seen from above, side by side for several detectors.
 
 use plotters::style::RGBColor;
 
@@ -8,13 +8,13 @@ use super::marks::{BLACK, LINE_WIDTH_PX, Mark, QUIET, SeriesMark};
 /// One panel.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Plan {
-    /// What stands above it.
+    /// Title above the panel.
     pub title: String,
-    /// Positions that belong together, in metres: a marker of its own for each group.
+    /// Groups of positions in metres; each group has its own marker.
     pub groups: Vec<Vec<[f64; 2]>>,
     /// Closed outlines in metres; the first corner is not repeated.
     pub outlines: Vec<Vec<[f64; 2]>>,
-    /// Sides of cells whose grid is drawn, in metres, the widest last; cell corners lie at whole numbers of sides from
+    /// Sides of the cells of the drawn grids, in metres, the widest last; cell corners are whole numbers of sides from
     /// `grid_origin_m`.
     pub cell_sizes_m: Vec<f64>,
     /// A corner of the grids.
@@ -23,7 +23,7 @@ pub struct Plan {
 
 const PANEL_PX: u32 = 480;
 const HEADING_PX: u32 = 44;
-/// Room around what is drawn, in metres.
+/// Room around the positions, in metres.
 const ROOM_M: f64 = 0.6;
 
 /// The panels side by side, to the same scale, as an SVG document. `title` says what is shown, and whether it is simulated.
@@ -39,7 +39,7 @@ pub fn plan_plot(plans: &[Plan], title: &str) -> String {
     figure.svg(title)
 }
 
-/// The square around all positions: from, to in x and y; `None` if there are none.
+/// The square around all positions: its ends in x and in y; `None` if there are none.
 fn window_m(plans: &[Plan]) -> Option<[[f64; 2]; 2]> {
     let positions = plans.iter().flat_map(|it| it.groups.iter().chain(&it.outlines)).flatten();
     let ends = positions.fold([[f64::INFINITY, f64::NEG_INFINITY]; 2], |ends, position| {

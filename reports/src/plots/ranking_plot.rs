@@ -1,4 +1,4 @@
-//! Detectors below each other, each with its rate, the interval, and what a paper states.
+//! Detectors below each other, each with its rate, its interval, and the rate that a paper states.
 
 use std::ops::RangeInclusive;
 
@@ -15,44 +15,44 @@ use crate::files::fixed_decimals::fixed_decimals;
 pub struct RankingRow {
     /// Its name.
     pub name: String,
-    /// Its index in the order of the run, which decides the colour.
+    /// Its index in the order of the run, which determines the colour.
     pub detector_idx: usize,
-    /// Its rate in percent; `None` where that is undefined.
+    /// Its rate in percent; `None` if that is undefined.
     pub percent: Option<f64>,
-    /// The 95 % interval of it.
+    /// The 95 % interval of the rate.
     pub interval_percent: Option<[f64; 2]>,
-    /// What a paper states for its counterpart.
+    /// The rate in percent that a paper states for its counterpart.
     pub paper_percent: Option<f64>,
 }
 
-/// How wide a panel is, and the column of names in it, which takes as much room as it needs within these bounds.
+/// Width of a panel, and bounds of the width of its column of names.
 struct Layout {
     width_px: u32,
     names_px: RangeInclusive<i32>,
 }
 
-/// Three stand side by side on a page.
+/// Layout of panels of which three are side by side on a page.
 const ON_PAGE: Layout = Layout { width_px: 430, names_px: 100..=190 };
-/// A figure of its own, with names that are sentences.
+/// Layout of a figure of its own, whose names are sentences.
 const ALONE: Layout = Layout { width_px: 820, names_px: 100..=440 };
 const HEADING_PX: u32 = 26;
 const ROW_PX: u32 = 30;
 const AXIS_PX: u32 = 44;
-/// What a rate ends with where intervals are not to be relied on: a second line says so.
+/// Beginning of the caveat at the end of a rate; the caveat is drawn as a second line.
 const CAVEAT: &str = ", intervals ";
 const CAVEAT_PX: u32 = 16;
 const VALUES_PX: f64 = 62.0;
-/// The width of a letter over the size of the text: a wide one, so that no name is cut off in another font.
+/// The width of a letter over the size of the text: a wide letter, so that no name is cut off in another font.
 const LETTER_WIDTH: f64 = 0.62;
-/// Between a name and its line.
+/// Gap between a name and its line.
 const NAME_GAP_PX: i32 = 10;
 
-/// A panel with a line for every detector; `title` says of which task, `rate` what is measured.
+/// A panel with a line for every detector; `title` names the task, `rate` the rate.
 pub fn ranking_plot(title: &str, rate: &str, rows: &[RankingRow]) -> ThemedPanel {
     panel(title, rate, rows, &ON_PAGE)
 }
 
-/// A figure with such a panel for each part of a study: its title and its lines.
+/// A figure with such a panel for each part of a study; `parts` are titles and lines.
 pub fn study_plot(title: &str, rate: &str, parts: &[(String, Vec<RankingRow>)]) -> String {
     let panels: Vec<ThemedPanel> =
         parts.iter().map(|(title, rows)| panel(title, rate, rows, &ALONE)).collect();
@@ -67,7 +67,7 @@ fn panel(title: &str, rate: &str, rows: &[RankingRow], layout: &Layout) -> Theme
         .panel(format!("{title}: {rate} of {}", texts.join(", ")))
 }
 
-/// How many letters of a name there is room for, and how wide the column of names is.
+/// Number of letters of a name that fit, and width of the column of names in pixels.
 fn names_column(rows: &[RankingRow], bounds_px: &RangeInclusive<i32>) -> (usize, i32) {
     let letter_px = LETTER_WIDTH * f64::from(SMALL_TEXT_PX);
     let longest = rows.iter().map(|it| it.name.chars().count()).max().unwrap_or(0);
@@ -136,7 +136,7 @@ fn text(position_px: (f64, f64), text: String, horizontal: HPos) -> Mark {
 
 const TICK_PERCENT: f64 = 10.0;
 
-/// Whole tens around all that is drawn.
+/// Ends of the axis: whole tens around all that is drawn.
 fn axis(rows: &[RankingRow]) -> [f64; 2] {
     let values = rows.iter().flat_map(|it| {
         let [low, high] = it.interval_percent.map_or([None; 2], |ends| ends.map(Some));

@@ -1,4 +1,4 @@
-//! Precision over recall as the least score falls that a detection needs.
+//! The plot of precision over recall as the score threshold falls.
 
 use super::figure::Axis;
 use super::marks::SeriesMark;
@@ -6,7 +6,7 @@ use super::series::{Points, Position, Series};
 use super::small_panel::small_panel;
 use super::themed_panel::ThemedPanel;
 
-/// A panel with a curve of every detector: recalls and precisions, 0 to 1.
+/// A panel with a curve for every detector; recalls and precisions are 0 to 1.
 pub fn recall_plot(title: &str, curves: &[(String, Vec<(f64, f64)>)]) -> ThemedPanel {
     let series: Vec<Series> = curves
         .iter()
@@ -22,7 +22,7 @@ pub fn recall_plot(title: &str, curves: &[(String, Vec<(f64, f64)>)]) -> ThemedP
     small_panel([title, &about], x, "precision (%)", &series, Points::Line)
 }
 
-/// The positions that can be distinguished on a panel: hundreds of detections lie on a pixel.
+/// The positions that can be distinguished on a panel: a pixel can hold hundreds of detections.
 fn thinned(positions: &[(f64, f64)]) -> Vec<(f64, f64)> {
     let pixel = |(x, y): (f64, f64)| [(x * 400.0).round() as i64, (y * 400.0).round() as i64];
     let mut kept: Vec<(f64, f64)> = Vec::new();

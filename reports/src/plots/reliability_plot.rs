@@ -1,4 +1,4 @@
-//! How many detections are right over how many are expected to be.
+//! The plot of the share of detections that are right over the share that is expected to be.
 
 use super::figure::Axis;
 use super::marks::{Mark, QUIET, SeriesMark};
@@ -10,7 +10,7 @@ use crate::numbers::calibration::CalibrationBin;
 /// A bin with fewer detections is left out: one of them is more than 10 %.
 pub const LEAST_IN_BIN: usize = 10;
 
-/// A panel with the bins of every detector, and the diagonal, on which what is expected comes about.
+/// A panel with the bins of every detector, and the diagonal, on which expected and observed shares are equal.
 pub fn reliability_plot(title: &str, of_detectors: &[(String, Vec<CalibrationBin>)]) -> ThemedPanel {
     let series: Vec<Series> = of_detectors
         .iter()

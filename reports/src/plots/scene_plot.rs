@@ -1,4 +1,4 @@
-//! What was around an object, seen from above: what the sensor saw, what is annotated, and what every detector made of it.
+//! The surroundings of an object, seen from above: points of the sensor, annotations, and detections of every detector.
 //!
 //! Forward is up. Cells are runs in one path, not marks of the drawing library, which would be ten times as long.
 
@@ -13,19 +13,19 @@ use crate::worst::objects::PlanWindow;
 use crate::worst::points::{PLAN_CELL_M, PlanCells};
 
 const SIDE_PX: u32 = 200;
-/// Of the disc that marks an object without a box.
+/// Radius of the disc that marks an object without a box.
 const POSITION_RADIUS_PX: u32 = 14;
-/// Dashes of what was found and taken for something else.
+/// Dashes of detections that were taken for something else.
 const ANOTHER_CLASS: Option<[i32; 2]> = Some([1, 3]);
 
-/// What is around an object.
+/// The surroundings of an object.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Scene<'a> {
-    /// Where.
+    /// The window that is drawn.
     pub window: PlanWindow,
-    /// What it is about; a box without extent is a position, in the middle of the window.
+    /// Box of the object; one without extent is a position, in the middle of the window.
     pub subject: BoxFacts,
-    /// What was seen, if that was kept.
+    /// Cells with points, if they were kept.
     pub cells: Option<&'a PlanCells>,
     /// Boxes of all annotations around.
     pub annotations: Vec<BoxFacts>,
@@ -40,11 +40,11 @@ pub struct SceneDetection {
     pub detector_idx: usize,
     /// The box.
     pub bounding_box: BoxFacts,
-    /// Whether the task that is shown asks for it; otherwise it was found, and taken for something else.
+    /// Whether it counts in the task that is shown; otherwise it was found, and taken for something else.
     pub is_asked: bool,
 }
 
-/// The scene; `label` says what is seen.
+/// The drawing of a scene; `label` describes it.
 pub fn scene_plot(scene: &Scene<'_>, label: String) -> ThemedPanel {
     let Scene { window, subject, cells, annotations, detections } = scene;
     let half = f64::from(SIDE_PX) / 2.0;
@@ -75,7 +75,7 @@ pub fn scene_plot(scene: &Scene<'_>, label: String) -> ThemedPanel {
     ThemedPanel { size_px: [SIDE_PX, SIDE_PX], label, elements: elements.concat() }
 }
 
-/// The key to scenes of the detectors of these names.
+/// The key to scenes of detectors with these names.
 pub fn scene_keys(names: &[&str]) -> Vec<KeyEntry> {
     let entry = |name: &str, elements: String| {
         let swatch = ThemedPanel { size_px: KEY_SIZE_PX, label: name.to_owned(), elements };
@@ -97,7 +97,7 @@ pub fn scene_keys(names: &[&str]) -> Vec<KeyEntry> {
     keys
 }
 
-/// An element of this `shape`, a tag with its geometry, with nothing in it.
+/// An unfilled element; `shape` is its tag with its geometry.
 fn stroked(shape: &str, color: Rgb, width_px: f32, dashes_px: Option<[i32; 2]>) -> String {
     let stroke = painted(Paint::Stroke, color);
     let dashes =
@@ -105,12 +105,12 @@ fn stroked(shape: &str, color: Rgb, width_px: f32, dashes_px: Option<[i32; 2]>) 
     format!(r#"<{shape} {stroke} fill="none" stroke-width="{width_px}"{dashes}/>"#)
 }
 
-/// What a scene is about.
+/// The element of the object of a scene.
 fn subject_shape(shape: &str) -> String {
     format!(r#"<{shape} fill="{}" opacity="0.35"/>"#, hex(YELLOW))
 }
 
-/// What the sensor saw, from above, at `scale` pixels a metre.
+/// The cells with points from above, at `scale` pixels a metre.
 fn seen_cells(cells: &PlanCells, scale: f64) -> Vec<String> {
     let (middle, per_cell) = (SIDE_PX / 2, scale * f64::from(PLAN_CELL_M));
     let paths = [(&cells.low, QUIET, 1.0), (&cells.high, BLACK, 0.62)];
@@ -124,10 +124,10 @@ fn seen_cells(cells: &PlanCells, scale: f64) -> Vec<String> {
     paths.into_iter().filter(|(cells, ..)| !cells.is_empty()).map(path).collect()
 }
 
-/// A bar of two metres, where `scale` are the pixels of a metre.
+/// A bar of two metres, at `scale` pixels a metre.
 fn scale_bar(window: PlanWindow, scale: f64) -> String {
     let bar_px = 2.0 * scale;
-    // Below, unless the sensor is pointed at there.
+    // At the bottom, unless the mark of the sensor may be there.
     let [forward_m, left_m] = window.center_m;
     let y_px = if forward_m > 0.0 && left_m < 0.0 { 12 } else { SIDE_PX - 8 };
     let bar = stroked(&format!(r#"path d="M8 {y_px}h{bar_px:.1}""#), BLACK, 2.0, None);
@@ -137,7 +137,7 @@ fn scale_bar(window: PlanWindow, scale: f64) -> String {
     )
 }
 
-/// A small wedge at the edge, on the side of the sensor, that points to it; a cross where the sensor is inside.
+/// A small wedge at the edge that points to the sensor; a cross if the sensor is inside.
 fn sensor_mark(window: PlanWindow) -> String {
     let [x_m, y_m] = window.center_m.map(f64::from);
     let half = f64::from(SIDE_PX) / 2.0;
@@ -157,7 +157,7 @@ fn sensor_mark(window: PlanWindow) -> String {
     )
 }
 
-/// Cells as runs from left to right, in cells from the middle of the object.
+/// Cells as runs from left to right, as a path in units of cells from the middle of the window.
 fn runs(cells: &[[i32; 2]]) -> String {
     // On the screen: down is −forward, right is −left.
     let mut positions: Vec<[i32; 2]> = cells.iter().map(|[forward, left]| [-forward, -left]).collect();
@@ -215,7 +215,7 @@ mod tests {
 
     #[test]
     fn the_sensor_is_pointed_at_or_shown() {
-        // It is behind, to the right: below on the page.
+        // The sensor is behind, to the right: below on the page.
         let svg = sensor_mark(WINDOW);
         assert!(svg.contains("translate(124.2 197.0) rotate(76)"), "{svg}");
         let around = PlanWindow { center_m: [1.0, 0.0], half_m: 5.0 };

@@ -14,11 +14,11 @@ pub(crate) struct Position {
     pub(crate) within: Option<[f64; 2]>,
 }
 
-/// Positions that belong together; where one is missing the line is broken.
+/// Positions of one line, which is broken where one is missing.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Series {
     pub(crate) name: String,
-    /// How it is drawn: of a detector its index in the order of the run, whatever else is on the panel.
+    /// Its mark: for a detector its index in the order of the run, whatever else is on the panel.
     pub(crate) mark: SeriesMark,
     pub(crate) positions: Vec<Option<Position>>,
 }
@@ -27,7 +27,7 @@ pub(crate) struct Series {
 pub(crate) struct DetectorMarks<'a>(Vec<&'a str>);
 
 impl<'a> DetectorMarks<'a> {
-    /// Those of `names`, which may come more than once.
+    /// The detectors among `names`, which may repeat.
     pub(crate) fn of(names: impl Iterator<Item = &'a str>) -> Self {
         let mut detectors = Vec::new();
         for name in names {
@@ -48,13 +48,13 @@ impl<'a> DetectorMarks<'a> {
 /// How the positions of series are drawn.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) enum Points {
-    /// A marker each, with its interval, joined by lines; series so far apart that intervals do not hide each other.
+    /// Markers with intervals, joined by lines; series are so far `apart` that intervals do not hide each other.
     Marked { apart: f64 },
     /// The line alone.
     Line,
 }
 
-/// What is drawn of `series` between the ends `y` of an axis.
+/// The marks of `series`; positions beyond the ends `y` of the axis are gaps.
 pub(crate) fn series_marks(series: &[Series], points: Points, y: [f64; 2]) -> Vec<Mark> {
     let mut marks = Vec::new();
     for (series_idx, of_series) in series.iter().enumerate() {
@@ -86,7 +86,7 @@ pub(crate) fn series_marks(series: &[Series], points: Points, y: [f64; 2]) -> Ve
 /// Height of a line of a key, in pixels.
 pub(crate) const KEY_LINE_PX: u32 = 22;
 
-/// The key to series of these marks and names, one below the other from `top_px` on.
+/// The key to series with these marks and names, one below the other from `top_px` on.
 pub(crate) fn key_lines<'a>(
     series: impl IntoIterator<Item = (SeriesMark, &'a str)>,
     top_px: f64,
@@ -101,7 +101,7 @@ pub(crate) fn key_lines<'a>(
     series.into_iter().enumerate().flat_map(line).collect()
 }
 
-/// What stands beside a sample.
+/// A name beside a sample.
 pub(crate) fn key_name(name: &str, x_px: f64, y_px: f64) -> Mark {
     Mark::text((x_px, y_px), [0, 0], name, text_style(TEXT_PX, HPos::Left, VPos::Center))
 }
@@ -122,7 +122,7 @@ pub(crate) fn key_of(names: &[&str], have_curve: impl Fn(&str) -> bool) -> Vec<K
     key(names).into_iter().filter(|it| have_curve(&it.name)).collect()
 }
 
-/// The line with its marker.
+/// A sample of a series: its line with its marker.
 fn sample(mark: SeriesMark, [left_px, right_px]: [f64; 2], y_px: f64) -> [Mark; 2] {
     let middle_px = f64::midpoint(left_px, right_px);
     [mark.line([left_px, right_px].map(|x_px| (x_px, y_px))), mark.marker((middle_px, y_px))]

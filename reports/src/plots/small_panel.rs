@@ -1,4 +1,4 @@
-//! Panels small enough for three of them to stand side by side on a page, and one on a telephone.
+//! Panels so small that three of them fit side by side on a page, and one on a telephone.
 
 use super::figure::{Axis, Chart, Figure, Frame, Grid, Panel};
 use super::marks::{Mark, QUIET, bold_style};
@@ -17,8 +17,8 @@ const FRAME: Frame = Frame {
     grid: Grid::Both,
 };
 
-/// A panel of percentages, called `title`; `about` says what is seen of the detectors, whose `series` are in the order of
-/// the run.
+/// A panel of percentages, called `title`; `about` describes the numbers of the detectors, whose `series` are in the order
+/// of the run.
 pub(crate) fn small_panel(
     [title, about]: [&str; 2],
     x: Axis,
@@ -29,7 +29,7 @@ pub(crate) fn small_panel(
     small_panel_over(Vec::new(), [title, about], x, y_title, series, points)
 }
 
-/// The same with `behind` behind the series.
+/// As [`small_panel`], with the marks `behind` behind the series.
 pub(crate) fn small_panel_over(
     behind: Vec<Mark>,
     [title, about]: [&str; 2],

@@ -1,4 +1,4 @@
-//! How long the stages of a detector take.
+//! The plot of the times of the stages of a detector.
 
 use plotters::style::text_anchor::{HPos, VPos};
 
@@ -10,13 +10,13 @@ use crate::files::fixed_decimals::three_digits;
 
 const HEADING_PX: u32 = 24;
 const ROW_PX: u32 = 22;
-/// Room for the names of stages, at least and at most, and for the times.
+/// Room for the names of stages, least and greatest, and for the times.
 const NAMES_PX: [f64; 2] = [104.0, 230.0];
 const CHARACTER_PX: f64 = 8.0;
 const TIMES_PX: f64 = 70.0;
 
-/// A panel with a bar for every stage, whose median times are in milliseconds, in the order of the stages. Bars are to the
-/// scale of the longest of the panel.
+/// A panel with a bar for every stage, in the order of the stages; `stages` holds their median times in milliseconds. The
+/// longest bar determines the scale.
 pub fn stage_plot(detector: &str, detector_idx: usize, stages: &[(String, f64)]) -> ThemedPanel {
     let size_px = [WIDTH_PX, HEADING_PX + ROW_PX * stages.len().max(1) as u32 + 4];
     let of_stages = marks(detector, SeriesMark(detector_idx), stages);
@@ -26,7 +26,7 @@ pub fn stage_plot(detector: &str, detector_idx: usize, stages: &[(String, f64)])
     Figure::of_marks(size_px, of_stages).panel(label)
 }
 
-/// A time with its unit; what is not worth digits has none.
+/// A time with its unit; one below 0.001 ms has no digits of its own.
 fn time_text(ms: f64) -> String {
     if ms < 0.001 { "< 0.001 ms".to_owned() } else { format!("{} ms", three_digits(ms)) }
 }
@@ -49,7 +49,7 @@ fn marks(detector: &str, series: SeriesMark, stages: &[(String, f64)]) -> Vec<Ma
         let [top_px, row_px] = [top_px, ROW_PX].map(f64::from);
         let middle_px = top_px + row_px / 2.0;
         marks.push(text(names_px - 8.0, middle_px, words(stage), HPos::Right));
-        // What is too short to be seen is a hair line.
+        // A bar that is too short to be seen becomes a hair line.
         let long_px = if longest_ms > 0.0 { (room_px * ms / longest_ms).round().max(1.0) } else { 1.0 };
         let corners = [(names_px, top_px + 4.0), (names_px + long_px, top_px + row_px - 4.0)];
         marks.push(Mark::rectangle(corners, series.color()));

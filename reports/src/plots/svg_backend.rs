@@ -1,4 +1,4 @@
-//! What the drawing library draws, as elements of SVG.
+//! Backend of the drawing library that writes elements of SVG.
 
 use std::fmt::{Display, Write as _};
 
@@ -22,7 +22,7 @@ type Written = Result<(), DrawingErrorKind<std::fmt::Error>>;
 type Attributes<'a> = [(&'static str, &'a dyn Display)];
 
 impl SvgBackend<'_> {
-    /// Writes an element that is painted in `color`; nothing if that cannot be seen.
+    /// Writes an element that is painted in `color`, unless that is fully transparent.
     fn element(
         &mut self,
         name: &str,
@@ -35,7 +35,7 @@ impl SvgBackend<'_> {
             return Ok(());
         }
         let mut tag = format!("<{name}");
-        // Full opacity goes without saying.
+        // Full opacity is the default.
         let is_said = |key: &str| key != "opacity" || color.alpha < 1.0;
         for (key, value) in attributes.iter().filter(|(key, _)| is_said(key)) {
             write!(tag, " {key}=\"{value}\"").map_err(DrawingErrorKind::DrawingError)?;
@@ -52,7 +52,7 @@ impl SvgBackend<'_> {
     }
 }
 
-/// What of an area is painted, and the colours of its inside and of its line.
+/// The painted part of an area, and the colours of its inside and of its line.
 fn paint(color: BackendColor, is_filled: bool) -> (Paint, [String; 2]) {
     let (color, none) = (hex(color.rgb.into()), "none".to_owned());
     if is_filled { (Paint::Fill, [color, none]) } else { (Paint::Stroke, [none, color]) }

@@ -1,4 +1,4 @@
-//! What the plots of a sweep have in common.
+//! Shared parts of the plots of a sweep.
 
 use super::curve_panels::{CurvePanel, Note};
 use super::marks::SeriesMark;
@@ -34,20 +34,20 @@ pub(crate) fn heading(curves: &[SweepCurve<'_>]) -> String {
     }
 }
 
-/// What bars are, with what is to be said of them.
+/// The meaning of bars, with the caveat of their intervals.
 pub(crate) fn about_bars(curves: &[SweepCurve<'_>]) -> String {
     let caveat = curves.first().and_then(|it| it.first().blocks.caveat());
     caveat.map_or_else(|| "Bars: 95 % intervals".to_owned(), |it| format!("Bars: 95 % intervals {it}"))
 }
 
-/// What stands on the axis where these values are no numbers.
+/// Labels of an axis with these values; `None` if all are numbers.
 pub(crate) fn words<'a>(values: impl Iterator<Item = &'a str> + Clone) -> Option<Vec<String>> {
     let is_numeric = values.clone().all(|it| it.parse::<f64>().is_ok());
     (!is_numeric).then(|| values.map(str::to_owned).collect())
 }
 
-/// Adds `curve`, drawn as `mark` and with values `scale` times as large, to the one of `panels` that has the title of
-/// `panel`, or to `panel`, with a ring around its best position.
+/// Adds `curve` to the one of `panels` with the title of `panel`, or else adds `panel`. The curve is drawn as `mark`, with
+/// values `scale` times as large, and a ring around its best position.
 pub(crate) fn add_curve<T: Reached>(
     panels: &mut Vec<CurvePanel>,
     panel: CurvePanel,

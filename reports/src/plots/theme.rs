@@ -1,13 +1,13 @@
-//! Colours that follow the page they are on, light or dark.
+//! Colours that follow the theme of the page, light or dark.
 //!
-//! Whatever is drawn has a class beside the colour of each of its elements. The style of a page, or of a document that stands
-//! alone, decides about the class; a program that knows no styles takes the colour, which is legible on white.
+//! Every drawn element has a class beside its colour. The style of a page, or of a standalone document, decides about the
+//! class; a program that knows no styles takes the colour, which is legible on white.
 
 use std::sync::LazyLock;
 
 use super::palette::{BAND, BLACK, DARK_PAPER, DETECTOR_HUES, Hue, N_SHADES, QUIET, Rgb, WHITE, shade_hue};
 
-/// The colours that follow a page: the names of their classes, their colours in print, and on light and dark pages.
+/// The colours that follow a page: name of the class, colour in print, and colours on light and dark pages.
 static THEMED: LazyLock<Vec<(String, Rgb, Hue)>> = LazyLock::new(|| {
     let of_pages = [
         ("ink", BLACK, Hue { on_light: [27, 31, 38], on_dark: [230, 232, 236] }),
@@ -17,7 +17,7 @@ static THEMED: LazyLock<Vec<(String, Rgb, Hue)>> = LazyLock::new(|| {
     ];
     let of_pages = of_pages.into_iter().map(|(name, print, hue)| (name.to_owned(), print, hue));
     let hues = DETECTOR_HUES.into_iter().enumerate().map(|(idx, it)| (format!("d{idx}"), it.on_light, it));
-    // The fullest shade is the hue of the first detector, and has the class of that.
+    // The fullest shade is the hue of the first detector, and has its class.
     let shades = (1..N_SHADES).map(|it| (format!("s{it}"), shade_hue(it).on_light, shade_hue(it)));
     of_pages.chain(hues).chain(shades).collect()
 });
@@ -36,7 +36,7 @@ pub fn theme_css(selector: &str) -> String {
     format!("{light}@media screen and (prefers-color-scheme: dark){{{dark}}}{}", classes.concat())
 }
 
-/// What of an element has a colour.
+/// The part of an element that has a colour.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Paint {
     /// Its inside.
@@ -45,7 +45,7 @@ pub(crate) enum Paint {
     Stroke,
 }
 
-/// The class of what is painted; `None` if its colour is the same on every page.
+/// The class of a part painted in `color`; `None` if that is the same on every page.
 pub(crate) fn class_of(paint: Paint, color: Rgb) -> Option<String> {
     let letter = if paint == Paint::Fill { 'f' } else { 'k' };
     let (name, ..) = THEMED.iter().find(|(_, print, _)| *print == color)?;

@@ -1,4 +1,4 @@
-//! Panels for a page, and sheets of them that stand alone.
+//! Panels for a page, and standalone sheets of them.
 
 use std::fmt::Write as _;
 
@@ -12,7 +12,7 @@ use super::theme::{Paint, hex, painted, theme_css};
 pub struct ThemedPanel {
     /// Width and height in pixels.
     pub size_px: [u32; 2],
-    /// What is seen, in a sentence, for those who do not see it.
+    /// Description of the drawing in a sentence, for those who do not see it.
     pub label: String,
     /// SVG.
     pub(crate) elements: String,
@@ -21,9 +21,9 @@ pub struct ThemedPanel {
 /// One entry of the key to a sheet.
 #[derive(Debug, Clone, PartialEq)]
 pub struct KeyEntry {
-    /// What it stands for.
+    /// Meaning of the swatch.
     pub name: String,
-    /// The sample of its line and marker, [`KEY_SIZE_PX`] large.
+    /// Sample of the line and marker, of size [`KEY_SIZE_PX`].
     pub swatch: ThemedPanel,
 }
 
@@ -31,7 +31,7 @@ pub struct KeyEntry {
 pub const KEY_SIZE_PX: [u32; 2] = [36, 16];
 
 impl ThemedPanel {
-    /// For a page: as wide as there is room.
+    /// SVG for a page, as wide as there is room.
     pub fn inline(&self) -> String {
         let [width, height] = self.size_px;
         let label = escape(&self.label);
@@ -41,7 +41,7 @@ impl ThemedPanel {
         )
     }
 
-    /// For a page, beside words that say the same.
+    /// SVG for a page, hidden from screen readers because words beside it say the same.
     pub fn inline_hidden(&self) -> String {
         let [width, height] = self.size_px;
         format!(
@@ -50,7 +50,7 @@ impl ThemedPanel {
         )
     }
 
-    /// A document of it that stands alone, and that a page may take up as it is.
+    /// A standalone document, which a page may also embed as it is.
     pub(crate) fn document(&self) -> String {
         format!("{}{}\n</svg>\n", beginning(self.size_px, &self.label), self.elements)
     }
@@ -66,7 +66,7 @@ fn beginning([width, height]: [u32; 2], title: &str) -> String {
     )
 }
 
-/// How panels stand on a sheet.
+/// Arrangement of panels on a sheet.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Arrangement {
     /// Side by side.
@@ -77,7 +77,7 @@ pub enum Arrangement {
 
 const MARGIN_PX: u32 = 16;
 
-/// Panels under a title and a key, as a document that stands alone.
+/// Panels under a title and a key, as a standalone document.
 pub fn sheet(panels: &[ThemedPanel], arrangement: Arrangement, key: &[KeyEntry], title: &str) -> String {
     const KEY_Y_PX: u32 = 40;
     let mut corner_px = [MARGIN_PX, 0];

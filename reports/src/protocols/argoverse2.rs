@@ -15,7 +15,7 @@ use crate::rows::scan_name::ScanName;
 use crate::vocabulary::metric::Direction;
 use crate::vocabulary::protocol::{ERROR_DISTANCE, PAIR_DISTANCES_M, Protocol};
 
-/// The largest errors, which a class has where nothing of it is found; what an error is divided by for CDS.
+/// Largest errors: those of a class of which nothing is found. For CDS each error is divided by its largest.
 const LARGEST_ERRORS: [f64; 3] = [PAIR_DISTANCES_M[ERROR_DISTANCE], 1.0, PI];
 
 /// The numbers of a class, in the order of their values.
@@ -31,21 +31,21 @@ const OF_CLASS: [(&str, &str, Direction); 9] = [
     ("ap_4m", "ratio", Direction::HigherIsBetter),
 ];
 
-/// How many of them, from the first on, classes are summed up by.
+/// Number of these, from the first on, that are averaged over classes.
 const N_SUMMED_UP: usize = 5;
 
-/// What one detector made of scans.
+/// Boxes of one detector, class by class.
 pub(super) struct Argoverse2 {
     classes: Vec<RankedClass>,
 }
 
 impl Argoverse2 {
-    /// Of the rows of the scans named, which ascend.
+    /// Takes the rows of `scans`, which ascend.
     pub(super) fn new(scans: &[ScanName], rows: &BTreeMap<ScanName, RankedScan>) -> Self {
         Self { classes: RankedClass::all(Protocol::Argoverse2, scans, rows) }
     }
 
-    /// The classes that the scans have annotations of, each with its index.
+    /// Classes with annotations in the scans, each with its index.
     fn present(&self) -> impl Iterator<Item = (usize, &RankedClass)> {
         self.classes.iter().enumerate().filter(|(_, class)| class.n() > 0)
     }
@@ -60,7 +60,7 @@ impl Argoverse2 {
         };
         let all: Vec<&ClassScores> = scores.iter().map(|it| it.as_ref().unwrap_or(&nothing)).collect();
         let present: Vec<&ClassScores> = scores.iter().flatten().collect();
-        // Where nothing is annotated that the protocol evaluates, it says nothing of a detector.
+        // Without annotations of evaluated classes the protocol says nothing about a detector.
         let all = if self.present().next().is_some() { all } else { Vec::new() };
         let mut values: Vec<Option<f64>> = mean(&all).into_iter().chain(mean(&present)).collect();
         for (index, _) in self.present() {
@@ -106,13 +106,13 @@ struct ClassScores {
 }
 
 impl ClassScores {
-    /// Where there are no annotations, or nothing is found.
+    /// Numbers of a class without annotations, or of which nothing is found.
     fn of_nothing() -> [f64; N_SUMMED_UP] {
         let [translation_m, scale, orientation_rad] = LARGEST_ERRORS;
         [0.0, translation_m, scale, orientation_rad, 0.0]
     }
 
-    /// Of each draw; `None` of one without annotations.
+    /// Scores in each draw; `None` for a draw without annotations.
     fn of<const N: usize>(class: &RankedClass, times: &[Times<N>]) -> [Option<Self>; N] {
         let n_annotations = class.n_annotations(times);
         let of_distances = average_precisions(class, times, &n_annotations);
@@ -133,7 +133,7 @@ impl ClassScores {
     }
 }
 
-/// The means over what is found at 2 m, in each draw.
+/// Mean errors of the detections that find an annotation at 2 m, in each draw.
 fn mean_errors<const N: usize>(class: &RankedClass, times: &[Times<N>]) -> [[f64; 3]; N] {
     let (mut n, mut sums) = ([0.0; N], [[0.0; N]; 3]);
     for (index, errors) in class.errors() {
@@ -175,7 +175,7 @@ mod tests {
             check(&rows, class, "cds", composite);
         }
         check(&rows, "BUS", "ap_4m", average);
-        // 25 classes have nothing, and the largest errors.
+        // 25 classes have no annotations, and so the largest errors.
         check(&rows, "all", "cds", composite / 26.0);
         check(&rows, "all", "ate_m", (0.5 + 25.0 * 2.0) / 26.0);
         check(&rows, "all", "aoe_rad", (0.3 + 25.0 * PI) / 26.0);
@@ -190,8 +190,8 @@ mod tests {
         check(&rows, "SIGN", "cds", 0.0);
     }
 
-    /// Mean over recalls as the definition reads: of each recall the best precision of all points from there on, on the
-    /// straight line between points.
+    /// Mean over recalls by the definition: at each recall the best precision there or beyond, interpolated linearly between
+    /// points.
     fn slow_average(is_right: &[bool], n: usize) -> f64 {
         let mut points = Vec::new();
         let mut n_found = 0;

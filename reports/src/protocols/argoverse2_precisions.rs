@@ -1,4 +1,4 @@
-//! Average precision as av2 has it, of several draws of scans at once.
+//! Average precision as av2 computes it, for several draws of scans at once.
 
 use std::ops::Range;
 
@@ -26,26 +26,26 @@ pub(super) fn average_precisions<const N: usize>(
     of_distances.map(|it| it.means(&n_all))
 }
 
-/// The best precisions at one distance, while the ranking is gone through.
+/// Best precisions at one distance so far, while going through the ranking.
 struct BestPrecisions<const N: usize> {
     n_annotations: [f64; N],
     n_found: [f64; N],
-    // How many detections there were with the last that found something.
+    // Number of detections up to and including the last that found something.
     n_all_when_found: [f64; N],
-    // How many have to be found for the next recall, and the best precision since the last.
+    // Number to be found for the next recall, and the best precision since the last recall.
     n_needed: [f64; N],
     best: [f64; N],
     passed: [Vec<PassedRecalls>; N],
 }
 
-/// Recalls that were passed when something was found.
+/// Recalls that are passed when a detection finds something.
 struct PassedRecalls {
     recalls: Range<usize>,
-    /// The recall that was reached.
+    /// Recall with this detection.
     recall: f64,
-    /// Recall and precision of what was found before, where no false detection stands between.
+    /// Recall and precision at the find before it; `None` if a false detection stands between, or there is none.
     follows: Option<[f64; 2]>,
-    /// The best precision from there on.
+    /// Best precision from there on.
     best: f64,
 }
 
@@ -77,7 +77,7 @@ impl<const N: usize> BestPrecisions<N> {
         }
         for draw in 0..N {
             let n_all = n_before[draw] + n_times[draw];
-            // Before anything is there it is no number, which is not above the best.
+            // Before the first detection it is NaN, which is not above the best.
             let precision = self.n_found[draw] / n_all;
             self.best[draw] = if precision > self.best[draw] { precision } else { self.best[draw] };
             self.n_all_when_found[draw] =
@@ -85,7 +85,7 @@ impl<const N: usize> BestPrecisions<N> {
         }
     }
 
-    /// Notes the recalls that are passed by what was just found.
+    /// Notes the recalls that the newest find passes.
     fn pass(&mut self, n_times: &Times<N>, n_before: &[f64; N]) {
         let (n_found, n_needed) = (self.n_found, self.n_needed);
         for draw in (0..N).filter(|it| n_found[*it] >= n_needed[*it]) {
@@ -105,7 +105,7 @@ impl<const N: usize> BestPrecisions<N> {
         }
     }
 
-    /// Gives the last recalls passed the best precision since, and returns the first recall that is not passed yet.
+    /// Sets the best precision of the recalls passed last, and returns the first recall that is not passed yet.
     fn end_last(&mut self, draw: usize) -> usize {
         let best = std::mem::take(&mut self.best[draw]);
         self.passed[draw].last_mut().map_or(0, |last| {
@@ -114,7 +114,7 @@ impl<const N: usize> BestPrecisions<N> {
         })
     }
 
-    /// The mean over recalls in each draw, once all `n_all` detections were gone through.
+    /// Mean over recalls in each draw, after all `n_all` detections.
     fn means(mut self, n_all: &[f64; N]) -> [f64; N] {
         std::array::from_fn(|draw| {
             let next = self.end_last(draw);
@@ -137,7 +137,7 @@ impl<const N: usize> BestPrecisions<N> {
 }
 
 impl PassedRecalls {
-    /// The best precision at one of the recalls. Behind a false detection it is that of what comes next.
+    /// Best precision at the recall of this index. After a false detection it is that of the later detections.
     fn at(&self, index: usize) -> f64 {
         match self.follows {
             Some([recall, precision]) if precision > self.best => {

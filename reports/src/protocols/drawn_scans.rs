@@ -1,17 +1,17 @@
-//! The scans that numbers of protocols are made of, and how often each is drawn.
+//! Scans that numbers of protocols are made of, and how often each is drawn.
 
 use crate::numbers::blocks::{BlockCount, Blocks, DriveSecond};
 use crate::numbers::tally::Tally;
 use crate::rows::scan_name::ScanName;
 use crate::uncertainty::bootstrap::Resamples;
 
-/// Number of times that scans are drawn: fewer than of other rates, since a ranking has to be gone through anew for each.
+/// Number of draws: fewer than for other rates, since each draw needs its own pass over the ranking.
 pub const N_PROTOCOL_RESAMPLES: usize = 1_000;
 
-/// How many draws are gone through at once: as many numbers as fill a line of the processor's cache.
+/// Number of draws in one pass: as many numbers as fill a line of the processor's cache.
 pub const N_LANES: usize = 8;
 
-/// How often a scan is there in each of `N` draws. Whole numbers, which sums keep exactly.
+/// How often a scan occurs in each of `N` draws. Whole numbers, which sums keep exactly.
 pub type Times<const N: usize> = [f64; N];
 
 /// Scans by name, with the blocks that they are drawn in. The draws are the first of those that other rates have.
@@ -19,13 +19,13 @@ pub type Times<const N: usize> = [f64; N];
 pub struct DrawnScans {
     // Invariant: ascending, and as many as `index_of_scan`.
     names: Vec<ScanName>,
-    // Of each scan the index of its data set among `resamples`, and that of its block in it.
+    // For each scan the index of its data set among `resamples`, and that of its block in it.
     index_of_scan: Vec<(usize, usize)>,
     resamples: Vec<Resamples>,
 }
 
 impl DrawnScans {
-    /// The scans of the data sets that `extent` names, each data set drawn from by itself.
+    /// Scans of the data sets that `extent` names; each data set is drawn from separately.
     pub fn of(tally: &Tally, extent: &str) -> Self {
         Self::of_datasets(tally.datasets_in(extent).into_iter().map(|dataset_idx| {
             let id = &tally.datasets()[dataset_idx];
@@ -37,8 +37,8 @@ impl DrawnScans {
         }))
     }
 
-    /// The scans of data sets, given with their ids, each with the second that it was taken in. Each data set is drawn from
-    /// by itself.
+    /// Scans of data sets, given with their ids, each with the second that it was taken in. Each data set is drawn from
+    /// separately.
     pub fn of_datasets<'a>(datasets: impl Iterator<Item = (&'a str, Vec<(ScanName, DriveSecond)>)>) -> Self {
         let (mut scans, mut resamples) = (Vec::new(), Vec::new());
         for (id, of_dataset) in datasets {
@@ -54,7 +54,7 @@ impl DrawnScans {
         Self { names, index_of_scan, resamples }
     }
 
-    /// These scans without any draw, where only the numbers themselves matter.
+    /// These scans without draws, where only the numbers themselves matter.
     pub fn undrawn(mut names: Vec<ScanName>) -> Self {
         names.sort();
         names.dedup();
@@ -72,12 +72,12 @@ impl DrawnScans {
         self.resamples.iter().map(Resamples::blocks).reduce(BlockCount::with)
     }
 
-    /// How many draws there are.
+    /// Number of draws.
     pub fn n_draws(&self) -> usize {
         if self.resamples.is_empty() { 0 } else { N_PROTOCOL_RESAMPLES }
     }
 
-    /// How often each scan is there in draw `first` and those after it; never in a draw beyond the last.
+    /// How often each scan occurs in draw `first` and those after it; 0 in a draw beyond the last.
     pub fn times(&self, first: usize) -> Vec<Times<N_LANES>> {
         let mut times = vec![[0.0; N_LANES]; self.index_of_scan.len()];
         for (lane, draw) in (first..self.n_draws()).take(N_LANES).enumerate() {
@@ -90,7 +90,7 @@ impl DrawnScans {
     }
 }
 
-/// Adds the numbers of each draw to those of another sum.
+/// Adds `terms` to `sums`, draw by draw.
 #[inline(always)]
 pub(super) fn add<const N: usize>(sums: &mut [f64; N], terms: &[f64; N]) {
     for (sum, term) in sums.iter_mut().zip(terms) {
@@ -98,7 +98,7 @@ pub(super) fn add<const N: usize>(sums: &mut [f64; N], terms: &[f64; N]) {
     }
 }
 
-/// How many there are in each draw of what `counts` names: indices of scans, and how many each has.
+/// Sums of `counts` in each draw: pairs of the index of a scan and its count.
 pub(super) fn n_in_draws<const N: usize>(counts: &[(u32, u32)], times: &[Times<N>]) -> [f64; N] {
     let mut sums = [0.0; N];
     for (scan, n) in counts {
@@ -107,7 +107,7 @@ pub(super) fn n_in_draws<const N: usize>(counts: &[(u32, u32)], times: &[Times<N
     sums
 }
 
-/// One draw, in which scan *i* is there `times[i]` times.
+/// One draw, in which scan *i* occurs `times[i]` times.
 pub(super) fn single_draw(times: &[u16]) -> Vec<Times<1>> {
     times.iter().map(|it| [f64::from(*it)]).collect()
 }

@@ -1,4 +1,4 @@
-//! Which classes of protocols any detector gives at all.
+//! Classes of protocols that at least one detector gives.
 
 use std::collections::BTreeSet;
 
@@ -18,7 +18,7 @@ impl GivenClasses {
         }
     }
 
-    /// The same of KITTI.
+    /// Adds the class of a KITTI detection; an annotation changes nothing.
     pub fn add_kitti_object(&mut self, row: &KittiObjectRow) {
         if let KittiFact::Detection { object, .. } = row.fact {
             self.0.insert((Protocol::KittiObject, object.class.name()));

@@ -57,13 +57,13 @@ fn rates([n_found, n_false, n_missed, n_others]: [f64; 4]) -> [Option<f64>; N_RA
     ]
 }
 
-/// What one detector made of scans.
+/// Sums of one detector over scans.
 pub(super) struct Ground {
     terms: ScanTerms<N_TERMS>,
 }
 
 impl Ground {
-    /// Of the rows of the scans named, which ascend.
+    /// Takes the rows of `scans`, which ascend.
     pub(super) fn new(scans: &[ScanName], rows: &BTreeMap<ScanName, ScoredGround>) -> Self {
         Self { terms: ScanTerms::new(scans, rows, ScoredGround::terms) }
     }

@@ -1,4 +1,4 @@
-//! Rows that can be looked through in the head.
+//! Rows whose numbers can be computed in the head.
 
 use proptest::prelude::*;
 
@@ -65,7 +65,7 @@ pub(super) fn right_false_right(protocol: Protocol, class: &'static str) -> Vec<
     ]
 }
 
-/// What `look` makes of rows under their protocol.
+/// Result of `look` at rows under their protocol.
 fn under_protocol<T>(rows: &[RankedBoxRow], look: impl FnOnce(&dyn UnderProtocol) -> T) -> T {
     let mut tally = ProtocolTally::default();
     for row in rows {
@@ -84,12 +84,12 @@ pub(super) fn number(rows: &[RankedBoxRow], times: &[u16], class: &str, metric: 
     })
 }
 
-/// How often each of `n` scans is there in several draws.
+/// How often each of `n` scans occurs in several draws.
 pub(super) fn any_times(n: usize) -> impl Strategy<Value = Vec<[u16; N_LANES]>> {
     prop::collection::vec(prop::array::uniform8(0..4_u16), n)
 }
 
-/// Makes sure that several draws at once have the values of each by itself.
+/// Checks that several draws at once have the values of each draw by itself.
 #[track_caller]
 pub(super) fn check_draws(rows: &[RankedBoxRow], times: &[[u16; N_LANES]]) {
     under_protocol(rows, |rows| {

@@ -1,4 +1,4 @@
-//! The numbers that others publish, made of rows as their makers make them, and how sure they are.
+//! Numbers that others publish, made of rows as their makers make them, and how sure they are.
 
 pub mod protocol_number;
 pub mod drawn_scans;
@@ -26,7 +26,7 @@ use std::collections::BTreeMap;
 use crate::rows::scan_name::ScanName;
 use crate::vocabulary::protocol::Protocol;
 
-/// What the boxes in `rows` come to under `protocol`, on the scans named; `None` if it does not rank boxes.
+/// Boxes of `rows` under `protocol`, on the scans named; `None` if it does not rank boxes.
 fn under_ranked(
     protocol: Protocol,
     scans: &[ScanName],

@@ -14,7 +14,7 @@ use crate::rows::scan_name::ScanName;
 use crate::vocabulary::metric::Direction;
 use crate::vocabulary::protocol::{ERROR_DISTANCE, PAIR_DISTANCES_M, Protocol};
 
-/// How much mAP weighs beside one error in NDS.
+/// Weight of mAP in NDS; an error has weight 1.
 const AP_WEIGHT: f64 = 5.0;
 
 /// The numbers of a class, in the order of their values.
@@ -31,10 +31,10 @@ const OF_CLASS: [(&str, &str, Direction); 10] = [
     ("aae", "ratio", Direction::LowerIsBetter),
 ];
 
-/// The indices of these numbers that classes are summed up by.
+/// Indices of those numbers that are averaged over classes.
 const SUMMED_UP: [usize; 6] = [0, 5, 6, 7, 8, 9];
 
-/// What one detector made of scans.
+/// Boxes of one detector, class by class.
 pub(super) struct Nuscenes {
     classes: Vec<RankedClass>,
 }
@@ -49,14 +49,14 @@ struct ClassScores {
 }
 
 impl Nuscenes {
-    /// Of the rows of the scans named, which ascend.
+    /// Takes the rows of `scans`, which ascend.
     pub(super) fn new(scans: &[ScanName], rows: &BTreeMap<ScanName, RankedScan>) -> Self {
         Self { classes: RankedClass::all(Protocol::Nuscenes, scans, rows) }
     }
 
     fn values_of(&self, scores: &[ClassScores]) -> Vec<Option<f64>> {
         let mut values = Self::of_all(scores);
-        // Where nothing is annotated that the protocol evaluates, it says nothing of a detector.
+        // Without annotations of evaluated classes the protocol says nothing about a detector.
         if self.present().next().is_none() {
             values.fill(None);
         }
@@ -72,19 +72,19 @@ impl Nuscenes {
         values
     }
 
-    /// Which errors are known: velocities and attributes only where an annotation has one.
+    /// Whether each error is known: velocities and attributes only where an annotation has one.
     fn known_errors(class: &RankedClass, name: &str) -> [bool; N_ERRORS] {
         let [orientation, motion] = [name != "traffic_cone", !matches!(name, "traffic_cone" | "barrier")];
         [true, true, orientation, motion && class.has_velocity, motion && class.has_attribute]
     }
 
-    /// The classes that the scans have annotations of, each with its name and its index.
+    /// Classes with annotations in the scans, each with its index and its name.
     fn present(&self) -> impl Iterator<Item = (usize, &'static str, &RankedClass)> {
         let named = Protocol::Nuscenes.ranked_classes().iter().zip(&self.classes).enumerate();
         named.filter(|(_, (_, class))| class.n() > 0).map(|(index, (name, class))| (index, *name, class))
     }
 
-    /// mAP, the mean errors and NDS of the makers: over all ten classes, also those that there are no annotations of.
+    /// mAP, mean errors and NDS of the makers: over all ten classes, with or without annotations.
     fn of_all(scores: &[ClassScores]) -> Vec<Option<f64>> {
         let precision = mean(scores.iter().map(ClassScores::average_precision)).unwrap_or(0.0);
         let errors: [f64; N_ERRORS] = std::array::from_fn(|kind| {
@@ -94,7 +94,7 @@ impl Nuscenes {
         values.map(Some).collect()
     }
 
-    /// The same over what there are annotations of, with the errors that are known.
+    /// mAP, mean errors and NDS over the classes with annotations in the draw, from the errors that are known.
     fn of_present(&self, scores: &[ClassScores]) -> Vec<Option<f64>> {
         let drawn: Vec<_> = self.present().filter(|(index, ..)| scores[*index].n_annotations > 0.0).collect();
         let precision = mean(drawn.iter().map(|(index, ..)| scores[*index].average_precision()));
@@ -131,7 +131,7 @@ impl Ranking for Nuscenes {
 }
 
 impl ClassScores {
-    /// Of each draw.
+    /// Scores in each draw.
     fn of<const N: usize>(class: &RankedClass, name: &str, times: &[Times<N>]) -> [Self; N] {
         let n_annotations = class.n_annotations(times);
         let curves = recall_curves(class, times, &n_annotations);

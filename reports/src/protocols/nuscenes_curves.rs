@@ -1,4 +1,4 @@
-//! Precision and errors over recall, as nuscenes-devkit has them, of several draws of scans at once.
+//! Precision and errors over recall, as nuscenes-devkit computes them, for several draws of scans at once.
 
 use super::drawn_scans::{Times, add};
 use super::ranked_classes::{Finder, RankedClass};
@@ -6,7 +6,7 @@ use super::recall_grid::{N_RECALLS, n_to_pass, on_line, recall_at};
 use crate::rows::ranked_box_row::PairErrors;
 use crate::vocabulary::protocol::PAIR_DISTANCES_M;
 
-/// Precision below this counts as none, and so does recall up to it.
+/// Precision up to this value counts as 0, and recalls up to it do not count.
 const LEAST_PRECISION: f64 = 0.1;
 /// The first recall that counts: 0.11.
 const FIRST_RECALL: usize = 11;
@@ -14,15 +14,15 @@ const FIRST_RECALL: usize = 11;
 /// Number of errors: of position, size, heading, velocity and attribute.
 pub(super) const N_ERRORS: usize = 5;
 
-/// Precision and score at each of the recalls, and 0 where they are not reached.
+/// Precision and score at each recall; 0 at recalls that are not reached.
 #[derive(Debug, Clone)]
 pub(super) struct RecallCurve {
     precisions: [f64; N_RECALLS],
     scores: [f64; N_RECALLS],
 }
 
-/// At each of [`PAIR_DISTANCES_M`] the curves of each draw; `None` of one in which nothing is found. A scan that is there
-/// several times finds all at once what it finds.
+/// Curves of each draw at each of [`PAIR_DISTANCES_M`]; `None` for a draw in which nothing is found. A detection of a scan
+/// that is drawn several times counts as often at once.
 pub(super) fn recall_curves<const N: usize>(
     class: &RankedClass,
     times: &[Times<N>],
@@ -43,12 +43,12 @@ pub(super) fn recall_curves<const N: usize>(
     of_distances.map(|it| it.closed(class, times, &n_all))
 }
 
-/// The curves of one distance, while the ranking is gone through.
+/// Curves at one distance so far, while going through the ranking.
 struct Curves<const N: usize> {
     of_draws: Vec<RecallCurve>,
     n_annotations: [f64; N],
     n_found: [f64; N],
-    // The first recall that is not passed yet, and how many have to be found for it.
+    // First recall that is not passed yet, and the number to be found for it.
     next: [usize; N],
     n_needed: [f64; N],
 }
@@ -64,14 +64,14 @@ impl<const N: usize> Curves<N> {
         }
     }
 
-    /// Whether enough was found for the next recall of any draw.
+    /// Whether any draw found enough for its next recall.
     #[inline(always)]
     fn passes(&self) -> bool {
         self.n_found.iter().zip(&self.n_needed).map(|(found, needed)| u32::from(found >= needed)).sum::<u32>()
             > 0
     }
 
-    /// Takes the values at recalls between what was found before `finder` and with it.
+    /// Takes the values at recalls between the detections before `finder` and `finder` itself.
     fn pass(&mut self, class: &RankedClass, times: &[Times<N>], finder: &Finder, n_before: &[f64; N]) {
         let n_times = class.times_of(finder.index, times);
         let (n_found, n_needed) = (self.n_found, self.n_needed);
@@ -92,12 +92,12 @@ impl<const N: usize> Curves<N> {
         }
     }
 
-    /// Recall, precision and score once these were found.
+    /// Recall, precision and score when `n_found` of `n_all` detections have found something.
     fn point(&self, draw: usize, n_found: f64, n_all: f64, score: f64) -> [f64; 3] {
         [n_found / self.n_annotations[draw], n_found / n_all, score]
     }
 
-    /// The curves once the ranking was gone through; a recall that is reached exactly has what comes last.
+    /// Curves after the whole ranking; a recall that is reached exactly has the values at the end of the ranking.
     fn closed(
         mut self,
         class: &RankedClass,
@@ -142,15 +142,15 @@ impl RecallCurve {
         sum / counted.len() as f64
     }
 
-    /// The scores at which errors are looked up, from recall 0.11 to the highest; none where that is lower.
+    /// Scores at which errors are looked up, from recall 0.11 to the highest reached; empty if that is lower.
     fn looked_up(&self) -> &[f64] {
         let last = self.scores.iter().rposition(|it| *it != 0.0).unwrap_or(0);
         if last < FIRST_RECALL { &[] } else { &self.scores[FIRST_RECALL..=last] }
     }
 }
 
-/// The errors of each draw: of each the mean over what is found up to a recall, and of these the mean over recalls from 0.11
-/// to the highest; 1 if that is lower. `curves` are those at the distance of errors.
+/// Errors of each draw: for each error the mean over detections up to a recall, averaged over recalls from 0.11 to the
+/// highest; 1 if the highest is lower. `curves` are those at the distance of errors.
 pub(super) fn mean_errors<const N: usize>(
     class: &RankedClass,
     times: &[Times<N>],
@@ -201,7 +201,7 @@ impl<const N: usize> RunningErrors<N> {
         }
     }
 
-    /// The means of a draw. A mean of nothing is 0.
+    /// Mean errors of a draw; 0 for an error without values.
     fn means(&self, draw: usize) -> [f64; N_ERRORS] {
         std::array::from_fn(|kind| {
             let count = self.counts[kind][draw];
@@ -209,13 +209,13 @@ impl<const N: usize> RunningErrors<N> {
         })
     }
 
-    /// Whether any detection of a draw has these errors.
+    /// Whether any detection of a draw has each error.
     fn are_known(&self, draw: usize) -> [bool; N_ERRORS] {
         self.counts.map(|it| it[draw] > 0.0)
     }
 }
 
-/// The scores at which errors of one draw are looked up, and the sums of what was found there so far.
+/// Scores at which the errors of one draw are looked up, and the sums of the errors there so far.
 struct Lookup<'a> {
     scores: &'a [f64],
     n_taken: usize,
@@ -227,13 +227,13 @@ impl<'a> Lookup<'a> {
         Self { scores: curve.map_or(&[], RecallCurve::looked_up), n_taken: 0, sums: [0.0; N_ERRORS] }
     }
 
-    /// The score that is looked up next; no number if none is.
+    /// Next score to look up; NaN if there is none.
     fn next(&self) -> f64 {
         self.scores.get(self.n_taken).copied().unwrap_or(f64::NAN)
     }
 
-    /// Takes the means at all scores down to that of `to`, the first detection whose score is not above them, from the line
-    /// between it and the detection before it.
+    /// Takes the means at all scores down to that of `to`, from the line between `from` and `to`: `to` is the first
+    /// detection whose score is not above them, `from` the detection before it.
     fn take(&mut self, from: Option<(f64, [f64; N_ERRORS])>, (to_score, to): (f64, [f64; N_ERRORS])) {
         while to_score <= self.next() {
             let score = self.next();
@@ -249,8 +249,7 @@ impl<'a> Lookup<'a> {
         }
     }
 
-    /// The means over all scores, where those below every detection have the errors of all. An error that is never known is
-    /// 1.
+    /// Means over all scores; a score below every detection has the means of all. An error that is never known is 1.
     fn closed(&self, of_all: &[f64; N_ERRORS], are_known: [bool; N_ERRORS]) -> [f64; N_ERRORS] {
         std::array::from_fn(|kind| {
             if self.scores.is_empty() || !are_known[kind] {

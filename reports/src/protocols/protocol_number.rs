@@ -7,13 +7,13 @@ use crate::numbers::number_record::NumberRecord;
 use crate::vocabulary::metric::Direction;
 use crate::vocabulary::protocol::Protocol;
 
-/// What numbers of all classes of a protocol together are said to be of, as its makers take the mean.
+/// Class of numbers over all classes of a protocol together, averaged as its makers do.
 pub const ALL_CLASSES: &str = "all";
 
-/// The same of those classes that the scans have annotations of.
+/// Class of numbers over those classes that the scans have annotations of.
 pub const PRESENT_CLASSES: &str = "present";
 
-/// What is measured under a protocol.
+/// A metric of a protocol.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct ProtocolMetric {
     /// The class as the protocol calls it, [`ALL_CLASSES`] or [`PRESENT_CLASSES`].
@@ -24,7 +24,7 @@ pub struct ProtocolMetric {
     pub unit: &'static str,
     /// Which way is better.
     pub direction: Direction,
-    /// What it is made of: the number of annotations that count.
+    /// Number of annotations that count, or of instances, segments, points or scans, that it is made of.
     pub n: u64,
 }
 
@@ -45,7 +45,7 @@ pub struct ProtocolNumber {
     pub dataset: String,
     /// Name of the detector.
     pub detector: String,
-    /// What was measured.
+    /// The metric.
     pub metric: ProtocolMetric,
     /// The value; `None` where it is undefined.
     pub value: Option<f64>,

@@ -19,7 +19,7 @@ pub struct ProtocolReport {
 }
 
 impl ProtocolReport {
-    /// Of these numbers.
+    /// The report of these numbers.
     pub fn new(rows: Vec<ProtocolNumber>) -> Self {
         Self { _schema: SCHEMA, rows }
     }
@@ -39,7 +39,7 @@ impl ProtocolReport {
     }
 }
 
-/// A file of these rows, each in a line.
+/// Text of a file with these rows, one a line.
 pub(super) fn json_of_rows(rows: impl Iterator<Item = impl Serialize>) -> String {
     let mut json = format!("{{\n  \"schema\": {SCHEMA},\n  \"rows\": [");
     for (index, row) in rows.enumerate() {

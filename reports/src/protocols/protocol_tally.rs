@@ -23,14 +23,14 @@ use crate::vocabulary::protocol::{Protocol, ProtocolFamily};
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct ProtocolTally {
     ranked: BTreeMap<(Protocol, String), BTreeMap<ScanName, RankedScan>>,
-    // Of each detector.
+    // By detector.
     kitti: BTreeMap<String, BTreeMap<ScanName, Vec<KittiFact>>>,
     // By detector.
     labels: BTreeMap<String, BTreeMap<ScanName, ScoredLabels>>,
     ground: BTreeMap<String, BTreeMap<ScanName, ScoredGround>>,
 }
 
-/// What numbers of a protocol are asked about.
+/// Protocol and detector of the numbers that are asked for.
 #[derive(Debug, Clone, Copy)]
 pub struct ProtocolQuestion<'a> {
     /// The protocol.
@@ -50,7 +50,7 @@ impl ProtocolTally {
         scan.add(row.protocol, &row.ranked_box);
     }
 
-    /// Adds what KITTI's evaluation looks at.
+    /// Adds a row of KITTI's evaluation.
     pub fn add_kitti_object(&mut self, row: &KittiObjectRow) {
         let scans = self.kitti.entry(row.detector.clone()).or_default();
         scans.entry(row.scan.clone()).or_default().push(row.fact);
@@ -69,11 +69,11 @@ impl ProtocolTally {
         }
     }
 
-    /// Makes sure that rows fit together.
+    /// Checks that the rows of each scan fit together.
     ///
     /// # Errors
     ///
-    /// A sentence that says in which scan they do not, and how.
+    /// A sentence that names the scan whose rows do not, and says how.
     pub fn check(&self) -> Result<(), String> {
         for (detector, scans) in &self.kitti {
             for (name, facts) in scans {
@@ -86,7 +86,7 @@ impl ProtocolTally {
         Ok(())
     }
 
-    /// Adds what became of labels.
+    /// Adds a score of labels.
     pub fn add_label_score(&mut self, row: &LabelScoreRow) {
         let (detector, scan) = (row.detector.clone(), row.scan.clone());
         match row.score.protocol() {
@@ -97,7 +97,7 @@ impl ProtocolTally {
         }
     }
 
-    /// The protocols that there are rows of, in the order of tables.
+    /// Protocols with rows, in the order of tables.
     pub fn protocols(&self) -> Vec<Protocol> {
         let has_rows = |protocol: &Protocol| match protocol.family() {
             ProtocolFamily::KittiObjects => !self.kitti.is_empty(),
@@ -108,7 +108,7 @@ impl ProtocolTally {
         Protocol::ALL.into_iter().filter(has_rows).collect()
     }
 
-    /// What is asked about, on `scans`; `None` if there are no rows of it.
+    /// Rows of `question` on `scans`; `None` if there are none.
     pub fn rows(
         &self,
         question: ProtocolQuestion<'_>,
@@ -118,7 +118,7 @@ impl ProtocolTally {
         Some(match protocol.family() {
             ProtocolFamily::KittiObjects => {
                 let facts = self.kitti.get(detector)?.iter();
-                // What is read from files was checked.
+                // Rows that are read from files were checked.
                 let of_scan = |(name, facts): (&ScanName, &Vec<KittiFact>)| {
                     Some((name.clone(), KittiScan::of(facts.iter().copied()).ok()?))
                 };
@@ -136,8 +136,8 @@ impl ProtocolTally {
         })
     }
 
-    /// All numbers, with how sure they are: protocol by protocol, data set by data set and then those of one origin
-    /// together, detector by detector. Which scans there are, and which are drawn together, is known from `tally`.
+    /// All numbers with their intervals: protocol by protocol, data set by data set and then those of one origin together,
+    /// detector by detector. `tally` has the scans, and which of them are drawn together.
     pub fn numbers(&self, tally: &Tally) -> Vec<ProtocolNumber> {
         let pools = tally.pools();
         let several = pools.iter().filter(|it| it.is_of_several()).map(|it| it.extent.name());
@@ -147,7 +147,7 @@ impl ProtocolTally {
         self.numbers_on(&drawn, &detectors)
     }
 
-    /// The same of `detectors` on scans with the names of what they are together, in this order.
+    /// All numbers of `detectors` on `drawn`, in this order: scans, each with the name of their data set or data sets.
     pub fn numbers_on(&self, drawn: &[(&str, DrawnScans)], detectors: &[&str]) -> Vec<ProtocolNumber> {
         let mut numbers = Vec::new();
         for protocol in self.protocols() {
@@ -163,7 +163,7 @@ impl ProtocolTally {
     }
 }
 
-/// The numbers of `rows` on `scans`, which are what a detector made of a data set under a protocol.
+/// Numbers of `rows` on `scans`: those of `detector` on `dataset` under `protocol`.
 fn numbers_of(
     rows: &dyn UnderProtocol,
     scans: &DrawnScans,

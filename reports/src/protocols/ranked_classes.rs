@@ -7,7 +7,7 @@ use crate::rows::ranked_box_row::{BoxKind, BoxState, PairErrors, RankedBox};
 use crate::rows::scan_name::ScanName;
 use crate::vocabulary::protocol::{ERROR_DISTANCE, Protocol};
 
-/// What counts of one scan.
+/// Boxes of one scan that count.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub(super) struct RankedScan {
     // By the index of their class.
@@ -58,13 +58,13 @@ impl RankedScan {
 /// The boxes of one class in all scans.
 #[derive(Debug, Clone, Default)]
 pub(super) struct RankedClass {
-    // Of each scan that has some: its index, and how many.
+    // For each scan with annotations: its index and their number.
     annotations: Vec<(u32, u32)>,
-    // Invariant: of each detection the index of its scan and its score, the best score first; those of like scores by scan,
-    // and in a scan by their numbers.
+    // Invariant: for each detection the index of its scan and its score, the best score first; equal scores by scan, and in
+    // a scan by number.
     scans: Vec<u32>,
     scores: Vec<f64>,
-    // Those that find something, in the same order.
+    // Detections that find an annotation, in the same order.
     finders: Vec<Finder>,
     /// Whether the velocity of any annotation is known.
     pub(super) has_velocity: bool,
@@ -78,7 +78,7 @@ pub(super) struct Finder {
     /// Its index in the ranking.
     pub(super) index: u32,
     pairs: u8,
-    // At the distance of errors, if it finds one there.
+    // Errors at the distance of errors, if it finds an annotation there.
     errors: Option<PairErrors>,
 }
 
@@ -90,7 +90,7 @@ impl Finder {
 }
 
 impl RankedClass {
-    /// The classes of `protocol`, in its order, of the scans at the indices of their names in `scans`, which ascend.
+    /// Classes of `protocol`, in its order, of these `scans`, which ascend; scans have the indices of their names in it.
     pub(super) fn all(
         protocol: Protocol,
         scans: &[ScanName],
@@ -118,9 +118,9 @@ impl RankedClass {
         classes
     }
 
-    /// Ranks detections, which come by scan, and in a scan by their numbers.
+    /// Ranks detections, which come by scan, and in a scan by number.
     fn rank(&mut self, mut detections: Vec<(f64, u32, &FoundBox)>) {
-        // Stable: boxes of like scores stay in this order.
+        // Stable: boxes of equal scores stay in this order.
         detections.sort_by(|(a, ..), (b, ..)| b.total_cmp(a));
         self.scans = detections.iter().map(|(_, scan, _)| *scan).collect();
         self.scores = detections.iter().map(|(score, ..)| *score).collect();
@@ -134,17 +134,17 @@ impl RankedClass {
             .collect();
     }
 
-    /// The annotations in each draw.
+    /// Number of annotations in each draw.
     pub(super) fn n_annotations<const N: usize>(&self, times: &[Times<N>]) -> [f64; N] {
         n_in_draws(&self.annotations, times)
     }
 
-    /// The annotations of all scans once.
+    /// Number of annotations, with all scans once.
     pub(super) fn n(&self) -> u64 {
         self.annotations.iter().map(|(_, n)| u64::from(*n)).sum()
     }
 
-    /// The detections of all scans once.
+    /// Number of detections, with all scans once.
     pub(super) fn n_detections(&self) -> usize {
         self.scans.len()
     }
@@ -154,19 +154,19 @@ impl RankedClass {
         self.scores[index as usize]
     }
 
-    /// How often a detection is there in each draw.
+    /// How often a detection occurs in each draw.
     pub(super) fn times_of<'a, const N: usize>(&self, index: u32, times: &'a [Times<N>]) -> &'a Times<N> {
         &times[self.scans[index as usize] as usize]
     }
 
-    /// The score of the last of the first `n` detections that is there in a draw; 0 if none is.
+    /// Score of the last of the first `n` detections that occurs in a draw; 0 if none does.
     pub(super) fn last_score<const N: usize>(&self, n: usize, times: &[Times<N>], draw: usize) -> f64 {
         let last = self.scans[..n].iter().rposition(|scan| times[*scan as usize][draw] > 0.0);
         last.map_or(0.0, |it| self.scores[it])
     }
 
-    /// Shows every detection that finds something to `visit`, the best first, with how often it is there in each draw and
-    /// how many detections come before it. Returns how many there are in all.
+    /// Calls `visit` with every detection that finds an annotation, the best first, with how often it occurs in each draw
+    /// and how many detections come before it. Returns the number of detections in each draw.
     #[inline(always)]
     pub(super) fn go_through<const N: usize>(
         &self,
@@ -190,8 +190,7 @@ impl RankedClass {
         n_all
     }
 
-    /// The detections that find something at the distance of errors, the best first: their indices, and how far they are
-    /// off.
+    /// Detections that find an annotation at the distance of errors, the best first: index and errors.
     pub(super) fn errors(&self) -> impl Iterator<Item = (u32, &PairErrors)> {
         self.finders
             .iter()

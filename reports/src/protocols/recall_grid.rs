@@ -1,16 +1,16 @@
-//! The recalls at which precision is looked up, and how it is looked up between them.
+//! Recalls at which precision is looked up, and interpolation between them.
 
 /// Number of recalls: 0, 0.01, …, 1.
 pub(super) const N_RECALLS: usize = 101;
 
-/// The recall at `index`, to the bit as `NumPy`'s `linspace` has it: where a recall that was reached lies on it, the last
-/// bit decides which precision is taken.
+/// Recall at `index`, to the bit as `NumPy`'s `linspace` has it: where a reached recall lies on it, the last bit decides
+/// which precision is taken.
 pub(super) fn recall_at(index: usize) -> f64 {
     if index + 1 == N_RECALLS { 1.0 } else { index as f64 * 0.01 }
 }
 
-/// How many of `n_annotations` have to be found for a recall beyond that at `index`; infinitely many where there is no such
-/// index. Quotients decide, so that it is the same as to compare recalls.
+/// Number of `n_annotations` to be found for a recall beyond that at `index`; infinity where there is no such index.
+/// Quotients decide, so that the result is the same as from comparing recalls.
 pub(super) fn n_to_pass(index: usize, n_annotations: f64) -> f64 {
     if index == N_RECALLS {
         return f64::INFINITY;

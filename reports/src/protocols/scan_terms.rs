@@ -1,10 +1,10 @@
-//! Sums over scans, each of which may be there several times.
+//! Sums over scans, each of which may occur several times.
 
 use std::collections::BTreeMap;
 
 use crate::rows::scan_name::ScanName;
 
-/// For every scan that has rows the terms of `N` sums.
+/// Terms of `N` sums for every scan with rows.
 #[derive(Debug, Clone)]
 pub(super) struct ScanTerms<const N: usize> {
     // The index of the scan, ascending, and its terms.
@@ -12,7 +12,7 @@ pub(super) struct ScanTerms<const N: usize> {
 }
 
 impl<const N: usize> ScanTerms<N> {
-    /// Of those of `rows` that are of the `scans` named, which ascend; `terms_of` makes the terms of the rows of one.
+    /// Terms of the `rows` of `scans`, which ascend; `terms_of` makes the terms of the rows of one scan.
     pub(super) fn new<R>(
         scans: &[ScanName],
         rows: &BTreeMap<ScanName, R>,
@@ -41,17 +41,17 @@ impl<const N: usize> ScanTerms<N> {
     }
 }
 
-/// `part` of `whole`; `None` of nothing.
+/// `part` / `whole`; `None` if `whole` is 0.
 pub(super) fn ratio(part: f64, whole: f64) -> Option<f64> {
     (whole > 0.0).then(|| part / whole)
 }
 
-/// The number of values, their sum and that of their squares, as terms of a mean and a deviation; zeros of no value.
+/// Number of values, their sum and the sum of their squares, as terms of a mean and a deviation; zeros without a value.
 pub(super) fn moments(value: Option<f64>) -> [f64; 3] {
     value.map_or([0.0; 3], |it| [1.0, it, it * it])
 }
 
-/// The mean of values, and their standard deviation as one of the whole population.
+/// Mean of values, and their standard deviation as that of a whole population.
 pub(super) fn mean_and_deviation([n, sum, squares]: [f64; 3]) -> [Option<f64>; 2] {
     let mean = ratio(sum, n);
     let deviation = mean.map(|mean| (squares / n - mean * mean).max(0.0).sqrt());

@@ -41,7 +41,7 @@ const OF_SCANS: [&str; 4] =
 
 const OF_THINGS: [&str; 3] = ["pq", "sq", "rq"];
 
-/// What became of the labels of one scan.
+/// Scores of the labels of one scan.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub(super) struct ScoredLabels {
     // By label, so that the order of rows does not show.
@@ -96,14 +96,14 @@ impl ScoredLabels {
     }
 }
 
-/// What one detector made of scans.
+/// Sums of one detector over scans.
 pub(super) struct SemanticKitti {
     terms: ScanTerms<N_TERMS>,
     has_classes: bool,
 }
 
 impl SemanticKitti {
-    /// Of the rows of the scans named, which ascend.
+    /// Takes the rows of `scans`, which ascend.
     pub(super) fn new(scans: &[ScanName], rows: &BTreeMap<ScanName, ScoredLabels>) -> Self {
         Self {
             terms: ScanTerms::new(scans, rows, ScoredLabels::terms),
@@ -134,7 +134,7 @@ impl ClassSums {
         self.n_matched + self.n_missed > 0.0
     }
 
-    /// PQ, SQ and RQ; `None` of a class of which nothing was labelled or found.
+    /// PQ, SQ and RQ; `None` for a class without labelled or found segments.
     fn qualities(&self) -> Option<[f64; 3]> {
         let recognition = ratio(self.n_matched, self.n_matched + 0.5 * (self.n_false + self.n_missed))?;
         let segmentation = ratio(self.iou_sum, self.n_matched).unwrap_or_default();
@@ -142,7 +142,7 @@ impl ClassSums {
     }
 }
 
-/// The mean qualities of `classes`; those of a class of which there is nothing are 0, as the makers take them.
+/// Mean qualities of `classes`; a class without segments has 0, as the makers take it.
 fn mean_qualities(classes: &[ClassSums]) -> [Option<f64>; 3] {
     std::array::from_fn(|index| {
         let qualities = classes.iter().map(|it| it.qualities().unwrap_or_default()[index]);
@@ -192,7 +192,7 @@ impl UnderProtocol for SemanticKitti {
         }
         if self.has_classes {
             let classes = ClassSums::all(&sums);
-            // Those of all scans, so that each draw has the same numbers.
+            // Classes present in all scans, so that each draw has the same numbers.
             let has_any = ClassSums::all(&self.terms.total()).map(|it| it.is_present());
             let present: Vec<ClassSums> =
                 classes.iter().zip(has_any).filter(|(_, has_any)| *has_any).map(|(it, _)| *it).collect();

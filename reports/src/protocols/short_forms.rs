@@ -1,4 +1,4 @@
-//! Which numbers of a protocol stand in short tables, and which are drawn.
+//! Numbers of a protocol that stand in short tables, and those that are drawn.
 
 use super::kitti_object::measures::SHORT_FORM;
 use super::protocol_number::{ALL_CLASSES, PRESENT_CLASSES, ProtocolNumber};

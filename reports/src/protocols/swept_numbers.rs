@@ -1,4 +1,4 @@
-//! What detectors reach at the points of a sweep under protocols of others: `sweep_protocols.csv` and
+//! Numbers of detectors at the points of a sweep under protocols of others: `sweep_protocols.csv` and
 //! `sweep_protocols.json`.
 
 use std::collections::BTreeMap;
@@ -30,7 +30,7 @@ pub struct SweptNumbers {
 /// A number at one point.
 #[derive(Debug, Clone, PartialEq)]
 pub struct SweptNumber {
-    /// Where.
+    /// Point of the sweep, data sets and detector.
     pub subject: SweepSubject,
     /// The number.
     pub number: ProtocolNumber,
@@ -39,7 +39,7 @@ pub struct SweptNumber {
 /// One number of one detector.
 pub type NumberCurve<'a> = Curve<'a, SweptNumber>;
 
-/// What is written of a number, beside where it is reached.
+/// Columns of a number, after those of its subject.
 const COLUMNS: [&str; 12] = [
     "protocol",
     "class",
@@ -150,8 +150,8 @@ pub(crate) mod tests {
     use crate::protocols::protocol_number::ProtocolMetric;
     use crate::vocabulary::origin::Origin;
 
-    /// A sweep of a probability over as many values as there are of mAP of the present classes, 0.1 and up, with an error of
-    /// cars.
+    /// A sweep of a probability, 0.1, 0.2 and so on: `map` has the mAP of the present classes at each point. Cars have an
+    /// error, too.
     pub(crate) fn swept(map: &[Option<f64>]) -> SweptNumbers {
         let numbers_at = |(point_idx, map): (usize, &Option<f64>)| {
             let number = |class: &str, id: &str, direction, value: Option<f64>| SweptNumber {

@@ -1,4 +1,4 @@
-//! What every protocol can do with the rows of one detector.
+//! Interface to the rows of one detector under any protocol.
 
 use rayon::prelude::*;
 
@@ -7,15 +7,15 @@ use super::protocol_number::ProtocolMetric;
 use crate::numbers::blocks::Interval;
 use crate::uncertainty::bootstrap::Distribution;
 
-/// What one detector made of scans under one protocol, ready to be made numbers of: once, and for every draw of scans.
+/// Rows of one detector on scans under one protocol, ready for their numbers: those of all scans once, and of every draw.
 pub trait UnderProtocol: Sync {
-    /// What is measured, in the order of [`Self::values`].
+    /// The metrics, in the order of [`Self::values`].
     fn metrics(&self) -> Vec<ProtocolMetric>;
 
-    /// The values where scan *i* is there `times[i]` times; `None` where one is undefined.
+    /// Values where scan *i* occurs `times[i]` times; `None` where one is undefined.
     fn values(&self, times: &[u16]) -> Vec<Option<f64>>;
 
-    /// The values of several draws, each as [`Self::values`] has them, where scan *i* is there `times[i]` times.
+    /// Values of several draws, each as [`Self::values`] has them, where scan *i* occurs `times[i]` times.
     fn values_of_draws(&self, times: &[Times<N_LANES>]) -> Vec<Vec<Option<f64>>> {
         let of_draw = |draw: usize| times.iter().map(|it| it[draw] as u16).collect::<Vec<u16>>();
         (0..N_LANES).map(|draw| self.values(&of_draw(draw))).collect()
@@ -46,17 +46,17 @@ impl<T: Ranking> UnderProtocol for T {
     }
 }
 
-/// The values of all scans once, and of every draw.
+/// Values of all scans once, and of every draw.
 #[derive(Debug, Clone)]
 pub struct DrawnValues {
-    /// Those of all scans once.
+    /// Values of all scans once.
     pub values: Vec<Option<f64>>,
-    /// Those of each draw.
+    /// Values of each draw.
     pub resampled: Vec<Vec<Option<f64>>>,
 }
 
 impl DrawnValues {
-    /// Of `rows` on `scans`, and on every draw of them.
+    /// Values of `rows` on `scans`, and on every draw of them.
     pub fn new(rows: &dyn UnderProtocol, scans: &DrawnScans) -> Self {
         let values = rows.values(&vec![1; scans.names().len()]);
         let several = (0..scans.n_draws().div_ceil(N_LANES)).into_par_iter();
@@ -66,7 +66,7 @@ impl DrawnValues {
         Self { values, resampled }
     }
 
-    /// How sure the value at `index` is.
+    /// Interval of the value at `index`; `None` if there is none.
     pub fn interval(&self, index: usize, scans: &DrawnScans) -> Option<Interval> {
         self.values[index]?;
         let resampled = self.resampled.iter().map(|it| it[index]);

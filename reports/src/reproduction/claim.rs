@@ -1,4 +1,4 @@
-//! What the papers claim, as data.
+//! The claims of the papers, as data.
 
 use serde::{Deserialize, Serialize};
 
@@ -15,7 +15,7 @@ pub enum Paper {
     /// Vehicles by their model.
     #[serde(rename = "VM")]
     VehicleModel,
-    /// Objects of which a part is seen, by bags of graphs.
+    /// Partly seen objects, by bags of graphs.
     #[serde(rename = "BG")]
     BagOfGraphs,
 }
@@ -54,65 +54,65 @@ impl Paper {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Claim {
-    /// Whose it is.
+    /// The paper.
     pub paper: Paper,
     /// Section, table and figure.
     pub place: String,
     /// The claim, in our words.
     pub says: String,
-    /// What is printed for it.
+    /// The numbers that it prints for the claim, in words.
     pub printed: String,
-    /// What would have to be seen.
+    /// The test that decides it.
     pub test: ClaimTest,
 }
 
-/// What would have to be seen for a claim to hold.
+/// Test of a claim: the condition under which it holds.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(tag = "kind", rename_all = "snake_case", deny_unknown_fields)]
 pub enum ClaimTest {
     /// A rate of one detector is higher than that of another, surely.
     Lead {
-        /// In which task.
+        /// The task.
         task: Task,
-        /// Which rate.
+        /// The rate.
         metric: RateName,
-        /// Who is to lead.
+        /// The detector that is to lead.
         method: String,
-        /// Whom.
+        /// Its rival.
         rival: String,
         /// `every` for each data set, `overall` for all together, or part of the names of those that count.
         scenes: String,
     },
     /// The lead is greater on some data sets than on the others.
     LeadsMost {
-        /// In which task.
+        /// The task.
         task: Task,
-        /// Who leads.
+        /// The detector that leads.
         method: String,
-        /// Whom.
+        /// Its rival.
         rival: String,
         /// Parts of the names of the data sets.
         scenes: Vec<String>,
     },
     /// One detector is so many times as fast as another.
     Faster {
-        /// Who is to be.
+        /// The faster detector.
         method: String,
-        /// Than whom.
+        /// Its rival.
         rival: String,
         /// How many times.
         at_least: f64,
     },
-    /// One detector runs fewer objects together than another.
+    /// One detector joins fewer objects than another.
     LessJoined {
-        /// Who is to.
+        /// The detector that joins fewer.
         method: String,
-        /// Than whom.
+        /// Its rival.
         rival: String,
     },
     /// Points become fewer with range.
     DensityFalls,
-    /// They do not, once divided by the weights.
+    /// Points divided by the weights do not become fewer with range.
     DensityEvened,
     /// The printed fitness of cell sizes has its maximum between these, within 0 and 1.
     PeakOfFitness {
@@ -133,24 +133,24 @@ pub enum ClaimTest {
         /// Its name in the paper.
         step: String,
     },
-    /// More boxes are turned right by hulls than by principal axes.
+    /// Hulls give more boxes a right heading than principal axes do.
     TurnedRight {
         /// How far they may be off.
         within_deg: f64,
     },
     /// Spheres at the front are larger than those at the back.
     FrontSpheres,
-    /// Of what is missed, most is strongly occluded.
+    /// Most missed objects are strongly occluded.
     MissesAreOccluded {
-        /// Who misses.
+        /// The detector.
         method: String,
     },
-    /// The method of BG does as claimed with objects that it sees more and more of.
+    /// The method of BG does as claimed with objects of which more and more is seen.
     Partial {
-        /// What it is to do.
+        /// The claim.
         claim: PartialClaim,
     },
-    /// It cannot be seen here.
+    /// It cannot be tested here.
     None {
         /// Why.
         because: String,

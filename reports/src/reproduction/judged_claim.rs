@@ -1,4 +1,4 @@
-//! Whether claims hold, and under which readings.
+//! Verdicts on claims, and the readings under which they hold.
 
 use serde::Serialize;
 
@@ -6,38 +6,38 @@ use super::claim::Claim;
 use super::steps::Basis;
 use crate::vocabulary::claim_verdict::ClaimVerdict;
 
-/// A claim, and what was seen.
+/// A claim with its results and its verdict.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct JudgedClaim {
     /// The claim.
     pub claim: Claim,
-    /// What was seen under each reading of the paper, that in good faith first, and of each basis the one that needs least
-    /// first; none where nothing could be.
+    /// The result under each reading of the paper: good faith first, and of each basis the reading that needs least first;
+    /// empty if nothing could be tested.
     pub readings: Vec<Seen>,
-    /// Under how many of the joint settings of open values it holds, and of how many; `None` where it does not depend on
+    /// Number of joint settings of open values under which it holds, and of all settings; `None` where it does not depend on
     /// them.
     pub settings: Option<[usize; 2]>,
-    /// The conclusion.
+    /// The verdict.
     pub verdict: ClaimVerdict,
 }
 
-/// What was seen under one reading.
+/// The result under one reading.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Seen {
     /// The reading.
     pub reading: String,
-    /// What it rests on.
+    /// The basis of the reading.
     pub basis: Basis,
     /// The numbers, in words.
     pub numbers: String,
     /// The difference between method and rival, with its 95 % interval, in words; empty where there is none.
     pub difference: String,
-    /// Whether the claim holds so; `None` if these scans cannot decide that.
+    /// Whether the claim holds under it; `None` if these scans cannot decide that.
     pub holds: Option<bool>,
 }
 
 impl JudgedClaim {
-    /// Judges `claim` by what was seen.
+    /// Judges `claim` by the results under its `readings`.
     pub fn new(claim: Claim, readings: Vec<Seen>, settings: Option<[usize; 2]>) -> Self {
         let verdict = verdict(&readings, settings);
         Self { claim, readings, settings, verdict }
@@ -53,7 +53,7 @@ impl JudgedClaim {
     }
 }
 
-/// The reading under which the claim holds that has most of the text.
+/// The reading under which the claim holds whose basis has most of the text.
 fn needed(readings: &[Seen]) -> Option<&Seen> {
     readings.iter().filter(|it| it.holds == Some(true)).min_by_key(|it| it.basis)
 }

@@ -15,9 +15,9 @@ use crate::vocabulary::task::Task;
 pub struct Pair<'a> {
     /// The task.
     pub task: Task,
-    /// Who is to lead.
+    /// The detector that is to lead.
     pub method: &'a str,
-    /// Whom.
+    /// Its rival.
     pub rival: &'a str,
 }
 
@@ -27,7 +27,7 @@ pub struct LeadsOf<'a> {
     draws: Vec<Draw>,
 }
 
-/// What lies between two detectors on one data set, or on several together.
+/// Difference between two detectors on one data set, or on several together.
 #[derive(Debug, Clone, PartialEq)]
 pub struct SceneLead {
     /// The data set.
@@ -37,23 +37,23 @@ pub struct SceneLead {
 }
 
 impl<'a> LeadsOf<'a> {
-    /// Those of the run of this tally.
+    /// The leads in the run of this tally.
     pub fn new(tally: &'a Tally) -> Self {
         Self { draws: tally.draw(), tally }
     }
 
-    /// What lies between `pair`, by `metric`, on each data set whose name has `part` in it.
+    /// Differences of `pair` in `metric` on each data set whose name has `part` in it.
     pub fn on_scenes(&self, pair: Pair<'_>, metric: &Metric, part: &str) -> Vec<SceneLead> {
         let scenes = self.tally.datasets().iter().filter(|it| it.contains(part));
         scenes.filter_map(|it| self.on(pair, metric, it)).collect()
     }
 
-    /// The same on all data sets of one origin together.
+    /// Differences of `pair` in `metric` on all data sets of one origin together.
     pub fn overall(&self, pair: Pair<'_>, metric: &Metric) -> Vec<SceneLead> {
         self.tally.pools().iter().filter_map(|it| self.on(pair, metric, it.extent.name())).collect()
     }
 
-    /// The sums that are asked for, with the draws that leads are judged by; `None` if nothing was seen of the kind.
+    /// Sums for `question`, with the draws that leads are judged by; `None` if there are no rows of the kind.
     pub fn sample(&self, question: &Question<'_>) -> Option<Sample> {
         self.tally.sample(question, &self.draws)
     }
@@ -67,13 +67,13 @@ impl<'a> LeadsOf<'a> {
 }
 
 impl SceneLead {
-    /// Whether there are blocks of scans enough for anything to rest on the interval.
+    /// Whether there are enough blocks of scans for anything to rest on the interval.
     pub fn is_known(&self) -> bool {
         self.difference.interval.is_some_and(|it| !it.blocks.decide_nothing())
     }
 }
 
-/// What is seen of a lead that is to be there on each of `leads`.
+/// Result under `reading` for a lead that is claimed on each of `leads`.
 pub fn seen(reading: &str, basis: Basis, leads: &[SceneLead]) -> Seen {
     let name = |it: &SceneLead| if leads.len() > 1 { format!("{}: ", it.scene) } else { String::new() };
     let numbers = leads.iter().map(|it| {
@@ -95,8 +95,8 @@ pub fn seen(reading: &str, basis: Basis, leads: &[SceneLead]) -> Seen {
     }
 }
 
-/// Whether what is claimed `is_so` on every scene: one that is known and where it is not refutes it. Nothing rests on blocks
-/// of scans that are too few, so that without a refutation it is unknown where there are such, and where there is no scene.
+/// Whether the claim `is_so` on every scene: a known scene where it is not refutes it. Nothing rests on too few blocks of
+/// scans, so without a refutation the result is unknown if a scene has too few of them, or if there is no scene.
 pub fn holds_on_all(leads: &[SceneLead], is_so: impl Fn(&PairedDifference) -> bool) -> Option<bool> {
     if leads.iter().any(|it| it.is_known() && !is_so(&it.difference)) {
         return Some(false);
@@ -124,7 +124,7 @@ mod tests {
         assert_eq!(holds(&[lead("a", 0.75, 0.1, 30), lead("b", 0.6, -0.01, 30)]), Some(false));
         assert_eq!(holds(&[lead("a", 0.75, 0.1, 2)]), None);
         assert_eq!(holds(&[lead("a", 0.75, 0.1, 30), lead("b", 0.75, 0.1, 2)]), None);
-        // Where it is known it is refuted.
+        // The known scene refutes it.
         assert_eq!(holds(&[lead("a", 0.75, -0.1, 30), lead("b", 0.75, 0.1, 2)]), Some(false));
         assert_eq!(holds(&[]), None);
         let both = seen("good faith", Basis::Text, &[lead("a", 0.75, 0.125, 30), lead("b", 0.25, -0.5, 30)]);

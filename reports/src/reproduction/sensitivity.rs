@@ -1,4 +1,4 @@
-//! What a rate does over joint settings of values that nobody states.
+//! Rates over joint settings of values that no paper states.
 
 use std::collections::BTreeMap;
 
@@ -6,12 +6,12 @@ use serde::Serialize;
 
 use crate::numbers::rank_correlation::rank_correlation_within;
 
-/// The settings, and what came of each.
+/// The settings, and the rates under each.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Sensitivity {
     /// The values that were set.
     pub values: Vec<SetValue>,
-    /// Of each setting its values as they are written, in the order of `values`.
+    /// The values of each setting as they are written, in the order of `values`.
     pub settings: Vec<Vec<String>>,
     /// The rates, each under all settings.
     pub rates: Vec<SetRate>,
@@ -26,11 +26,11 @@ pub struct Sensitivity {
 pub struct SetValue {
     /// The parameter.
     pub parameter: String,
-    /// What the papers say of it.
+    /// The statement of the papers about it.
     pub said: String,
     /// Its range, in words.
     pub range: String,
-    /// What it is in good faith.
+    /// Its value in good faith.
     pub chosen: String,
 }
 
@@ -39,36 +39,36 @@ pub struct SetValue {
 pub struct SetRate {
     /// Task and rate.
     pub name: String,
-    /// Who is to lead.
+    /// The detector that is to lead.
     pub method: String,
-    /// Under each setting; `None` where it is undefined.
+    /// Its rate under each setting; `None` where it is undefined.
     pub of_method: Vec<Option<f64>>,
-    /// Whom.
+    /// Its rival.
     pub rival: String,
-    /// Of the rival under the same criterion.
+    /// The rate of the rival under each setting, by the same criterion.
     pub of_rival: Vec<Option<f64>>,
 }
 
 impl SetRate {
-    /// Under how many settings the method leads, and of how many.
+    /// Number of settings under which the method leads, and number of those where both rates are known.
     pub fn n_leading(&self) -> [usize; 2] {
         self.n_leading_among(0..self.of_method.len())
     }
 
-    /// The same among settings with these numbers.
+    /// The numbers of [`Self::n_leading`] among the settings at these indices.
     pub fn n_leading_among(&self, settings: impl IntoIterator<Item = usize>) -> [usize; 2] {
         let leads = |idx: usize| Some(self.of_method[idx]? > self.of_rival[idx]?);
         let known: Vec<bool> = settings.into_iter().filter_map(leads).collect();
         [known.iter().filter(|it| **it).count(), known.len()]
     }
 
-    /// The rates of the method at these shares of all settings, 0 the lowest and 1 the highest.
+    /// Quantiles of the method's rates at these shares of all settings, 0 the lowest and 1 the highest.
     pub fn quantiles<const N: usize>(&self, shares: [f64; N]) -> Option<[f64; N]> {
         quantiles(&self.of_method, shares)
     }
 }
 
-/// Those of `rates` that are known, at these shares of them, 0 the lowest and 1 the highest.
+/// Quantiles of the known `rates` at these shares, 0 the lowest and 1 the highest.
 pub fn quantiles<const N: usize>(rates: &[Option<f64>], shares: [f64; N]) -> Option<[f64; N]> {
     let mut rates: Vec<f64> = rates.iter().copied().flatten().collect();
     rates.sort_by(f64::total_cmp);
@@ -77,7 +77,7 @@ pub fn quantiles<const N: usize>(rates: &[Option<f64>], shares: [f64; N]) -> Opt
 }
 
 impl Sensitivity {
-    /// The settings by their values that are words, such as the criterion of matching: the words, and the numbers of the
+    /// The settings by their values that are words, such as the criterion of matching: the words, and the indices of the
     /// settings.
     pub fn by_words(&self) -> BTreeMap<String, Vec<usize>> {
         let mut groups: BTreeMap<String, Vec<usize>> = BTreeMap::new();
@@ -92,8 +92,8 @@ impl Sensitivity {
         groups
     }
 
-    /// How strongly the rate goes with each value that is a number: Spearman's rank correlation over the settings, each
-    /// ranked among those with the same words.
+    /// Spearman's rank correlation of the rate with each value that is a number, over the settings, each ranked among those
+    /// with the same words.
     pub fn correlations(&self, rate: &SetRate) -> Vec<(String, Option<f64>)> {
         let groups = self.by_words();
         let of_value = |(idx, value): (usize, &SetValue)| {

@@ -1,8 +1,8 @@
-//! Steps from the letter of HG and VM to a method that does as they claim, and what their rivals could have been given.
+//! Steps from the letter of HG and VM to a method that does as they claim, and readings of their rivals.
 
 use serde::{Deserialize, Serialize};
 
-/// What stands behind a reading of a paper; the later, the less of it is in the text.
+/// The basis of a reading of a paper; the later, the less of it is in the text.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Basis {
@@ -28,7 +28,7 @@ impl Basis {
     }
 }
 
-/// A step away from the letter. Each is taken upon those before it.
+/// A step away from the letter, taken after those before it.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Step {
     /// Detector that takes this step and those before it, as tables name it.
@@ -37,9 +37,9 @@ pub struct Step {
     pub name: &'static str,
     /// Section and figure that it rests on, or what it departs from.
     pub place: &'static str,
-    /// What stands there, and how the step reads it.
+    /// The passage, and how the step reads it.
     pub says: &'static str,
-    /// What it rests on.
+    /// The basis of the step.
     pub basis: Basis,
     /// Parameters of `paper` with their values.
     pub parameters: &'static [&'static str],
@@ -100,19 +100,19 @@ pub const STEPS: [Step; 5] = [
 /// The method read in good faith, as the program has it: the last of [`STEPS`] that the text allows.
 pub const GOOD_FAITH: &str = "paper";
 
-/// Another rival than the one that HG describes in a sentence: what it clusters, and what is an object, it does not say.
+/// Another rival than that of HG, whose one sentence says neither what it clusters nor what is an object.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct RivalReading {
     /// The rival, as tables name it.
     pub detector: &'static str,
-    /// The same in words.
+    /// The rival in words.
     pub name: &'static str,
-    /// The parameter of `kd_tree` that makes it one, with its value.
+    /// The parameter of `kd_tree` that distinguishes it, with its value.
     pub parameter: &'static str,
 }
 
-/// A rival of HG that finds more than `kd-tree`, whose values were chosen on training scans: as elsewhere in the program. Who
-/// leads has to lead both.
+/// A rival of HG that finds more than `kd-tree`: its values were chosen on training scans, as elsewhere in the program. The
+/// leader has to lead both.
 pub const STRONGER_RIVAL: RivalReading = RivalReading {
     detector: "kd-tree, 15 points",
     name: "kd-tree with clusters of 15 points and more",
@@ -133,7 +133,7 @@ pub const DENIED_RIVALS: [RivalReading; 2] = [
     },
 ];
 
-/// A reading in words: the method after the step at `step_idx`, and the rival if it is denied something.
+/// Name of a reading: the method after the step at `step_idx`, and the rival if something is denied to it.
 pub fn reading(step_idx: usize, rival: Option<&RivalReading>) -> String {
     let step = &STEPS[step_idx];
     let method = match step_idx {
@@ -146,8 +146,8 @@ pub fn reading(step_idx: usize, rival: Option<&RivalReading>) -> String {
     [method].into_iter().chain(rival).collect::<Vec<_>>().join("; ")
 }
 
-/// What a step and the rival rest on together: the weakest of it. Good faith is the text; what takes less of the text's
-/// readings is another reading.
+/// The weakest basis of a step and the rival together. Good faith is the text; a method with fewer of the text's readings is
+/// another reading.
 pub fn basis(step_idx: usize, rival: Option<&RivalReading>) -> Basis {
     match STEPS[step_idx] {
         _ if rival.is_some() => Basis::RivalDenied,

@@ -25,12 +25,12 @@ row! {
     }
 }
 
-/// What is said of a box beside where it is; nothing of one that is that of what is seen.
+/// Details of a box other than its place and size; all are empty for a box around the seen points alone.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct BoxDetailFacts {
     /// How sure the detector is of it, higher is surer.
     pub score: Option<f32>,
-    /// Which sides are seen, of `front`, `rear`, `left` and `right`; none is an empty list.
+    /// The seen sides, of `front`, `rear`, `left` and `right`; an empty list if none is seen.
     pub seen_sides: Option<Vec<&'static str>>,
     /// Whether it is sure which end is the front.
     pub front_sure: Option<bool>,
@@ -59,7 +59,7 @@ impl BoxRow {
         }
     }
 
-    /// The same of a vehicle that is unlikely: only protocols that rank boxes count it.
+    /// Marks it as an unlikely vehicle: only protocols that rank boxes count it.
     pub fn unlikely(self) -> Self {
         Self { unlikely: Some(true), ..self }
     }

@@ -3,10 +3,10 @@
 
 use std::fmt::Write as _;
 
-/// Stands in files for points of no cluster.
+/// Number in files for points of no cluster.
 pub const NO_CLUSTER: u32 = 0;
 
-/// The number in files of a cluster that has this index, from 0, among those of its scan.
+/// Number in files of the cluster at this index, from 0, among those of its scan.
 pub fn number_in_files(cluster: Option<u32>) -> u32 {
     cluster.map_or(NO_CLUSTER, |index| index + 1)
 }

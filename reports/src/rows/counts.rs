@@ -1,4 +1,4 @@
-//! What was found, what was missed, what is false; and the rates made of it.
+//! Found, missed and false objects, and the rates made of them.
 
 /// The objects of one or more scans.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -12,8 +12,8 @@ pub struct Counts {
 impl Counts {
     /// NO annotations that count, TP of them matched, FO detections that match nothing.
     ///
-    /// `fo` is `None` where the data set does not annotate every class of object, so that it cannot be known
-    /// whether what is found beyond the annotations is false. The result is `None` if more are matched than there are.
+    /// `fo` is `None` where the data set does not annotate every class of object, so that detections beyond the annotations
+    /// may be right or false. The result is `None` if more are matched than there are.
     pub fn new(no: u64, tp: u64, fo: Option<u64>) -> Option<Self> {
         (tp <= no).then_some(Self { no, tp, fo })
     }
@@ -61,14 +61,14 @@ impl Counts {
         ratio(2 * self.tp, self.no + self.nd()?)
     }
 
-    /// A rate as a point of a curve: none where nothing is annotated, for a single false detection would draw the curve to 0.
+    /// A rate as a point of a curve: `None` where nothing is annotated, since one false detection would draw it to 0.
     pub fn drawn(self, rate: fn(Self) -> Option<f64>) -> Option<f64> {
         rate(self).filter(|_| self.no > 0)
     }
 }
 
 impl std::ops::AddAssign for Counts {
-    /// The objects of both; FO of the sum is known only where both are.
+    /// Adds the objects of both; FO of the sum is known only where both are.
     fn add_assign(&mut self, other: Self) {
         self.no += other.no;
         self.tp += other.tp;

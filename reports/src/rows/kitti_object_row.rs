@@ -1,4 +1,4 @@
-//! `protocol_kitti_object.csv`: what KITTI's evaluation of object detection looks at, one row for every annotation, every
+//! `protocol_kitti_object.csv`: the objects of KITTI's evaluation of object detection, one row for every annotation, every
 //! detection, every pair of them that overlaps enough to count somewhere, and every detection in a region that is not
 //! labelled.
 //!
@@ -12,7 +12,7 @@ use crate::files::exact_number::Exact;
 use crate::rows::scan_name::ScanName;
 use crate::vocabulary::class::AnnotationClass;
 
-/// One thing that KITTI's evaluation looks at.
+/// A row of KITTI's evaluation.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(into = "KittiObjectRecord", try_from = "KittiObjectRecord")]
 pub struct KittiObjectRow {
@@ -20,18 +20,18 @@ pub struct KittiObjectRow {
     pub scan: ScanName,
     /// Name of the detector.
     pub detector: String,
-    /// What it is.
+    /// Its content.
     pub fact: KittiFact,
 }
 
-/// What a row says. Indices are those in the files of a scan, from 0; the evaluation of the makers depends on their order.
+/// Content of a row. Indices are those in the files of a scan, from 0; the evaluation of the makers depends on their order.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum KittiFact {
     /// An annotated object.
     Annotation {
         /// Its index among the annotations.
         annotation: u32,
-        /// What it is and where.
+        /// Its class and its boxes.
         object: KittiBox,
         /// How much of it is hidden: 0 nothing, 1 a part, 2 most, 3 unknown.
         occlusion: i64,
@@ -42,7 +42,7 @@ pub enum KittiFact {
     Detection {
         /// Its index among the detections.
         detection: u32,
-        /// What it is and where.
+        /// Its class and its boxes.
         object: KittiBox,
         /// How sure the detector is.
         score: f64,
@@ -53,7 +53,7 @@ pub enum KittiFact {
         annotation: u32,
         /// Index of the detection.
         detection: u32,
-        /// By how much.
+        /// Their overlap.
         overlap: KittiOverlap,
     },
     /// A detection in a region of the image in which nothing is labelled.
@@ -65,10 +65,10 @@ pub enum KittiFact {
     },
 }
 
-/// What an object is, and its boxes.
+/// Class and boxes of an object.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct KittiBox {
-    /// What it is.
+    /// The class.
     pub class: AnnotationClass,
     /// Left, top, right and bottom in the image, in pixels; −1 of what the image does not show.
     pub left_top_right_bottom_px: [f64; 4],

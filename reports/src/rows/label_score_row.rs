@@ -1,4 +1,4 @@
-//! `protocol_labels.csv`: what became of labelled instances, things and ground points, under protocols that score labels of
+//! `protocol_labels.csv`: scores of labelled instances, things and ground points, under protocols that score labels of
 //! points.
 //!
 //! Numbers have all digits, so that those of the makers' own programs can be made of this file alone.
@@ -12,7 +12,7 @@ use crate::vocabulary::ground_definition::GroundDefinition;
 use crate::vocabulary::protocol::Protocol;
 use crate::vocabulary::thing_class::ThingClass;
 
-/// What a detector made of something labelled in a scan.
+/// A score of a detector for something labelled in a scan.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(into = "ScoreRecord", try_from = "ScoreRecord")]
 pub struct LabelScoreRow {
@@ -20,11 +20,11 @@ pub struct LabelScoreRow {
     pub scan: ScanName,
     /// Name of the detector.
     pub detector: String,
-    /// What was scored, and how.
+    /// The score.
     pub score: LabelScore,
 }
 
-/// What was scored.
+/// The score of an instance, of things, or of a whole scan.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum LabelScore {
     /// A labelled instance.
@@ -46,17 +46,16 @@ pub struct InstanceScore {
     pub n_points: u64,
     /// Its association, 0 to 1: Σ |p ∩ g| · IoU(p, g) / |g| over all segments p that were found.
     pub association: f64,
-    /// The overlap with the segment that found it: the one, if there is one, that shares more than half of the points of
-    /// either.
+    /// The overlap with the segment that found it, if there is one: they share more than half of the points of either.
     pub matched_iou: Option<f64>,
 }
 
-/// What became of the segments of one class.
+/// Counts of the segments of one class.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct ThingCounts {
-    /// Labelled segments that a found one shares more than half of the points of either with.
+    /// Labelled segments that match a found one: they share more than half of the points of either.
     pub n_matched: u64,
-    /// Those of enough points that none does.
+    /// Labelled segments of enough points that match none.
     pub n_missed: u64,
     /// Found segments of enough points that match none.
     pub n_false: u64,

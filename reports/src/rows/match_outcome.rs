@@ -1,63 +1,63 @@
-//! What became of an annotation, a detection or a pair of them, with all that is needed to judge it again.
+//! Outcomes of annotations, detections and pairs of them, with all that is needed to judge them again.
 
 use crate::vocabulary::class::{AnnotationClass, DetectionClass, Occlusion};
 use crate::vocabulary::reason::{FalseReason, IgnoredAnnotation, IgnoredDetection, MissReason};
 
-/// What became of an annotation, a detection or a pair of them.
+/// Outcome of an annotation, a detection or a pair of them.
 #[derive(Debug, Clone, PartialEq)]
 pub enum MatchOutcome {
     /// The detection found the annotation.
     Matched {
-        /// What was found.
+        /// The annotation.
         annotation: AnnotationFacts,
-        /// What found it.
+        /// The detection.
         detection: DetectionFacts,
         /// Lower is better; the unit is the criterion's.
         cost: f64,
     },
     /// The annotation was missed.
     Missed {
-        /// What was missed.
+        /// The annotation.
         annotation: AnnotationFacts,
         /// Why.
         reason: MissReason,
     },
     /// The annotation is neither found nor missed.
     IgnoredAnnotation {
-        /// What does not count.
+        /// The annotation.
         annotation: AnnotationFacts,
         /// Why.
         reason: IgnoredAnnotation,
     },
     /// The annotation is too tall for the task: neither found nor missed, and counted apart.
     Tall {
-        /// What does not count.
+        /// The annotation.
         annotation: AnnotationFacts,
-        /// What found it all the same, of the detections that found nothing that counts. It is neither right nor false.
+        /// The detection that found it, of those that found nothing that counts. It is neither right nor false.
         found_by: Option<FoundBy>,
     },
     /// The detection is false.
     False {
-        /// What is false.
+        /// The detection.
         detection: DetectionFacts,
         /// Why.
         reason: FalseReason,
     },
     /// The detection is neither right nor false.
     IgnoredDetection {
-        /// What does not count.
+        /// The detection.
         detection: DetectionFacts,
         /// Why.
         reason: IgnoredDetection,
     },
     /// It cannot be known whether the detection is false.
     Unknowable {
-        /// What cannot be judged.
+        /// The detection.
         detection: DetectionFacts,
     },
 }
 
-/// A detection that found something, and at what cost.
+/// A detection that found an annotation, with the cost.
 #[derive(Debug, Clone, PartialEq)]
 pub struct FoundBy {
     /// The detection.
@@ -66,14 +66,14 @@ pub struct FoundBy {
     pub cost: f64,
 }
 
-/// What is known about an annotation.
+/// Facts about an annotation.
 #[derive(Debug, Clone, PartialEq)]
 pub struct AnnotationFacts {
     /// Its index among the annotations of the scan, from 0.
     pub id: u64,
     /// Number of the object within its drive.
     pub track: Option<u32>,
-    /// What it is.
+    /// Its class.
     pub class: AnnotationClass,
     /// How much of it other things hide from the sensor.
     pub occlusion: Option<Occlusion>,
@@ -101,7 +101,7 @@ impl AnnotationFacts {
 
 #[cfg(test)]
 impl AnnotationFacts {
-    /// The first of its scan, on no track, with all its points inside of what is labelled, and nothing known of where it is.
+    /// The first annotation of its scan, on no track, with all its points inside the labelled region, and no known position.
     pub(crate) fn without_position(class: AnnotationClass, n_points: u64) -> Self {
         let (track, occlusion, bounding_box, centroid_m) = (None, None, None, None);
         Self { id: 0, track, class, occlusion, n_points, n_points_outside: 0, bounding_box, centroid_m }
@@ -113,12 +113,12 @@ pub fn range_m(position_m: [f32; 3]) -> f64 {
     f64::from(position_m[0]).hypot(f64::from(position_m[1]))
 }
 
-/// What is known about a detection.
+/// Facts about a detection.
 #[derive(Debug, Clone, PartialEq)]
 pub struct DetectionFacts {
     /// Its index among the detections of the scan, from 0.
     pub id: u64,
-    /// What the detector takes it for.
+    /// The class that the detector takes it for.
     pub class: DetectionClass,
     /// How sure the detector is; higher is surer.
     pub score: Option<f32>,

@@ -1,9 +1,9 @@
 //! `matches.csv`: one row for every matched pair, and for every annotation and detection that is in none.
 //!
-//! With boxes, classes, scores and numbers of points, so that anyone can score again without this program. What a task does
-//! not ask for, such as pedestrians among vehicles, has no row. An annotation without a box has the centroid of its points
-//! for a centre, and neither size nor heading. An annotation that is ignored because it is tall makes a pair with the
-//! detection that found it all the same: both are ignored.
+//! Rows have boxes, classes, scores and numbers of points, so that anyone can score again without this program. Objects that
+//! a task does not ask for, such as pedestrians among vehicles, have no row. An annotation without a box has the centroid of
+//! its points for a centre, and neither size nor heading. An annotation that is ignored because it is tall makes a pair with
+//! the detection that found it all the same: both are ignored.
 
 use serde::{Deserialize, Serialize};
 
@@ -16,7 +16,7 @@ use crate::vocabulary::criterion::CriterionKind;
 use crate::vocabulary::reason::{FalseReason, IgnoredAnnotation, IgnoredDetection, MissReason};
 use crate::vocabulary::task::Task;
 
-/// What became of an annotation, a detection or a pair of them.
+/// Outcome of an annotation, a detection or a pair of them.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(into = "MatchRecord", try_from = "MatchRecord")]
 pub struct MatchRow {
@@ -30,9 +30,9 @@ pub struct MatchRow {
     pub detector: String,
     /// The task.
     pub task: Task,
-    /// By what they were matched.
+    /// The criterion that they were matched by.
     pub criterion: CriterionKind,
-    /// What became of it.
+    /// The outcome.
     pub outcome: MatchOutcome,
 }
 
@@ -229,7 +229,7 @@ impl TryFrom<Parts> for MatchOutcome {
     }
 }
 
-/// What stands in the column of reasons, which depends on the outcome.
+/// The reason with this name, among those that its outcome can have.
 fn known_reason<T>(name: Option<String>, from_name: fn(&str) -> Option<T>) -> Result<T, &'static str> {
     let name = name.ok_or("a missed, false or ignored object gives no reason")?;
     from_name(&name).ok_or("there is no such reason for this outcome")
@@ -244,7 +244,7 @@ fn box_columns(bounding_box: BoxFacts) -> BoxColumns {
     [x, y, z, length, width, height, yaw_rad].map(|it| Some(Fixed::rounded(f64::from(it))))
 }
 
-/// Of its box or, without one, of its points, whose centroid has neither size nor heading.
+/// Columns of its box or, without one, of the centroid of its points, which has neither size nor heading.
 fn columns_of_annotation(annotation: &AnnotationFacts) -> BoxColumns {
     match (annotation.bounding_box, annotation.centroid_m) {
         (Some(bounding_box), _) => box_columns(bounding_box),

@@ -1,4 +1,4 @@
-//! What was seen, one row for every scan, object, detection or point: all that numbers are made of.
+//! Rows for every scan, object, detection or point: all that numbers are made of.
 
 pub mod counts;
 pub mod scan_name;

@@ -1,4 +1,4 @@
-//! The rows of protocols of others that come of one scan, or of several.
+//! The rows of protocols of others for one scan, or for several.
 
 use serde::{Deserialize, Serialize};
 
@@ -23,12 +23,12 @@ pub struct OfficialRows {
 }
 
 impl OfficialRows {
-    /// Whether there is none.
+    /// Whether there are none.
     pub fn is_empty(&self) -> bool {
         self.boxes.is_empty() && self.kitti.is_empty() && self.labels.is_empty()
     }
 
-    /// Appends those of `other`.
+    /// Appends the rows of `other`.
     pub fn append(&mut self, other: Self) {
         self.boxes.extend(other.boxes);
         self.kitti.extend(other.kitti);

@@ -55,7 +55,7 @@ impl From<PartialClass> for Predicted {
     }
 }
 
-/// What an object is, and how much of it had been seen.
+/// A partly seen object: its class, and how much of it had been seen.
 #[derive(Debug, Clone, PartialEq)]
 pub struct SeenPart<'a> {
     /// Data set.
@@ -66,7 +66,7 @@ pub struct SeenPart<'a> {
     pub direction: &'a str,
     /// Number of the step, from 1.
     pub step: u32,
-    /// What it is.
+    /// Its class.
     pub class: PartialClass,
     /// Number of points that had been seen.
     pub n_points: usize,
@@ -82,7 +82,7 @@ pub type OfClasses = [Option<f64>; 5];
 pub struct Answer {
     /// Its predicted class.
     pub predicted: Predicted,
-    /// L1 distance to each class; all `None` for methods that have none, or nothing to judge by.
+    /// L1 distance to each class; all `None` for methods without distances, and where there is nothing to judge by.
     pub errors: OfClasses,
     /// The chance of each class.
     pub chances: OfClasses,

@@ -10,7 +10,7 @@ use crate::files::exact_number::Exact;
 use crate::rows::scan_name::ScanName;
 use crate::vocabulary::protocol::{ERROR_DISTANCE, PAIR_DISTANCES_M, Protocol};
 
-/// An annotation or a detection of a class that the protocol evaluates, and what became of it.
+/// An annotation or a detection of a class that the protocol evaluates, with its outcome.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(into = "BoxRecord", try_from = "BoxRecord")]
 pub struct RankedBoxRow {
@@ -30,7 +30,7 @@ pub struct RankedBox {
     /// Its index among the annotations, or among the detections, of the scan: from the best score down, boxes of like scores
     /// by their numbers.
     pub id: u32,
-    /// What the files call it.
+    /// Its name in the files.
     pub name: String,
     /// One of the protocol's classes.
     pub class: &'static str,
@@ -42,22 +42,22 @@ pub struct RankedBox {
     pub length_width_height_m: [f64; 3],
     /// Its heading on the ground plan.
     pub yaw_rad: f64,
-    /// How it moves over the ground plan; `None` where nobody says.
+    /// Its velocity on the ground plan; `None` where it is not known.
     pub velocity_m_per_s: Option<[f64; 2]>,
-    /// What it is doing; `None` where nobody says.
+    /// Its attribute: what the object is doing; `None` where it is not known.
     pub attribute: Option<String>,
     /// Number of points in it, as the makers count them; `None` of detections.
     pub n_points: Option<u64>,
-    /// What it is, and what only that has.
+    /// Whether it is an annotation or a detection, with what only a detection has.
     pub kind: BoxKind,
 }
 
-/// What a box is.
+/// The kind of a box.
 #[derive(Debug, Clone, PartialEq)]
 pub enum BoxKind {
-    /// What was labelled.
+    /// An annotation.
     Annotation,
-    /// What was found.
+    /// A detection.
     Detection {
         /// How sure the detector is.
         score: f64,

@@ -1,4 +1,4 @@
-//! Names a scan among those of a run.
+//! Names of scans among those of a run.
 
 use serde::{Deserialize, Serialize};
 

@@ -9,7 +9,7 @@ use crate::rows::counts::Counts;
 use crate::rows::scan_name::ScanName;
 use crate::vocabulary::task::Task;
 
-/// What one detector made of one scan in one task.
+/// The outcome of one detector on one scan in one task.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(into = "ScanRecord", try_from = "ScanRecord")]
 pub struct ScanRow {
@@ -19,18 +19,18 @@ pub struct ScanRow {
     pub sequence: String,
     /// Number of the scan within the drive.
     pub scan: u32,
-    /// When it was taken, in seconds since the first scan of the drive, in whole milliseconds; `None` where nobody knows, or
-    /// the user says otherwise which scans belong together.
+    /// When it was taken, in seconds since the first scan of the drive, in whole milliseconds; `None` where that is not
+    /// known, or where the user says otherwise which scans belong together.
     pub time_s: Option<f64>,
     /// Name of the detector.
     pub detector: String,
     /// The task.
     pub task: Task,
-    /// What came of it.
+    /// The outcome.
     pub outcome: ScanOutcome,
 }
 
-/// What came of a scan.
+/// The outcome of a scan.
 #[derive(Debug, Clone, PartialEq)]
 #[expect(clippy::large_enum_variant, reason = "nearly all scans are evaluated")]
 pub enum ScanOutcome {
@@ -82,7 +82,7 @@ pub struct ScanNumbers {
 }
 
 impl ScanNumbers {
-    /// Of a scan of a thousand points with these counts, where nothing was ignored and nothing timed.
+    /// Numbers of a scan of a thousand points with these counts, where nothing was ignored and nothing timed.
     pub fn of_counts(counts: Counts) -> Self {
         Self {
             failure: None,
@@ -128,7 +128,7 @@ impl ScanRow {
         Self::try_from(ScanRecord::from(self)).expect("what was made of a row makes one")
     }
 
-    /// Which scan it is about.
+    /// The scan that it is about.
     pub fn scan_name(&self) -> ScanName {
         ScanName { dataset: self.dataset.clone(), sequence: self.sequence.clone(), scan: self.scan }
     }
@@ -405,7 +405,7 @@ mod tests {
         assert!(rows_of::<ScanRow>(&text).unwrap().is_empty());
     }
 
-    /// What is read of the rows where the first `from` in their file is `to`.
+    /// Reads the file of the rows after its first `from` was replaced by `to`.
     fn read_with(from: &str, to: &str) -> Result<Vec<ScanRow>, String> {
         let text = csv_text(&rows());
         assert!(text.contains(from), "{text}");

@@ -1,20 +1,20 @@
-//! `objects.csv` and `importance.csv`: what a trained model was judged by.
+//! `objects.csv` and `importance.csv`: rows that a trained model was judged by.
 
 use serde::{Deserialize, Serialize};
 
 use crate::files::csv_rows::row;
 use crate::files::fixed_decimals::Fixed;
 
-/// Where an object of [`JudgedObjects`] was seen, and what it is.
+/// Place and kind of an object of [`JudgedObjects`].
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct JudgedObjectFacts<'a> {
     /// Data set.
     pub data: &'a str,
     /// Drive.
     pub sequence: &'a str,
-    /// What it is.
+    /// Its kind.
     pub kind: &'a str,
-    /// Whether that is a vehicle.
+    /// Whether it is a vehicle.
     pub is_vehicle: bool,
     /// Number of its points.
     pub n_points: usize,
@@ -22,7 +22,7 @@ pub struct JudgedObjectFacts<'a> {
     pub range_m: f64,
 }
 
-/// The rows of held-out objects: where each is, its decision value, and what that was made of.
+/// The rows of held-out objects: place, decision value, and the values that it was made of.
 #[derive(Debug)]
 pub struct JudgedObjects {
     writer: csv::Writer<Vec<u8>>,
@@ -33,18 +33,18 @@ const OBJECT_COLUMNS: [&str; 7] =
     ["data", "sequence", "kind", "is_vehicle", "n_points", "range_m", "decision"];
 
 impl JudgedObjects {
-    /// No rows yet; the values have columns of these names.
+    /// Begins without rows; the values have columns of these names.
     ///
     /// # Errors
     ///
-    /// None that memory would not give.
+    /// None, since the rows are written to memory.
     pub fn new(features: &[&str]) -> Result<Self, csv::Error> {
         let mut writer = csv::WriterBuilder::new().has_headers(false).from_writer(Vec::new());
         writer.write_record(OBJECT_COLUMNS.iter().chain(features))?;
         Ok(Self { writer })
     }
 
-    /// Appends the object of `facts` with its decision value and what that was made of, in the order of the columns.
+    /// Appends the object of `facts` with its decision value and the values behind it, in the order of the columns.
     ///
     /// # Errors
     ///
@@ -87,8 +87,8 @@ row! {
 }
 
 impl ImportanceRow {
-    /// The row of a value without which, mixed up between `n_objects`, the area under the receiver operating characteristic
-    /// is less by `roc_area_loss`.
+    /// The row of a value: mixed up between `n_objects`, it lowers the area under the receiver operating characteristic by
+    /// `roc_area_loss`.
     pub fn new(feature: &str, roc_area_loss: Option<f64>, n_objects: usize) -> Self {
         Self { feature: feature.to_owned(), roc_area_loss: roc_area_loss.map(Fixed), n_objects }
     }
@@ -107,7 +107,7 @@ row! {
 }
 
 impl CalibrationRow {
-    /// The row of `n_groups` groups: `what` was expected of them, and what came about, on average. `what` is `iou`, the
+    /// The row of `n_groups` groups, with the means of their expected and their observed value. `what` is `iou`, the
     /// intersection over union with an object, or `vehicle`, the probability of one.
     pub fn new(what: &str, [expected, observed]: [f64; 2], n_groups: usize) -> Self {
         Self { what: what.to_owned(), expected: Fixed(expected), observed: Fixed(observed), n_groups }

@@ -1,8 +1,8 @@
 //! The command line of a run, for a shell.
 
-/// The command that makes a result again, of which `argv` is the command line, and leaves it in `output`.
+/// The command that makes the result of the command line `argv` again, and leaves it in `output`.
 ///
-/// What says where the first one was left is gone from it.
+/// Arguments that say where the first result was left are dropped.
 pub fn command_again(argv: &[String], output: &str) -> String {
     let mut words = vec!["scanbench".to_owned()];
     let mut arguments = argv.iter().skip(1);
@@ -19,9 +19,9 @@ pub fn command_again(argv: &[String], output: &str) -> String {
     words.join(" ")
 }
 
-/// The command line of the whole run that one of its shards belongs to, which leaves it in `output`.
+/// The command line of the whole run that a shard belongs to, which leaves it in `output`; `argv` is that of the shard.
 ///
-/// Without what says which shard it is; `output` stands where the folder of the shards stood.
+/// Arguments that say which shard it is are dropped; `output` stands where the folder of the shards stood.
 pub fn command_of_whole_run(argv: &[String], output: &str) -> Vec<String> {
     let mut words = Vec::new();
     let mut arguments = argv.iter();
@@ -42,11 +42,11 @@ pub fn command_of_whole_run(argv: &[String], output: &str) -> Vec<String> {
 
 /// Whether an argument says where a run is left.
 enum OutputOption {
-    /// It says something else.
+    /// It does not.
     None,
-    /// All of it.
+    /// The whole argument does.
     Whole,
-    /// Together with the next argument.
+    /// It does together with the next argument.
     ValueFollows,
 }
 

@@ -19,9 +19,9 @@ pub struct ComparisonManifest {
     pub created: String,
     /// The command line, the program's name first.
     pub argv: Vec<String>,
-    /// What is judged.
+    /// The judged scans.
     pub left: ComparedScans,
-    /// What it is judged by.
+    /// The scans that they are judged by.
     pub right: ComparedScans,
     /// The state of the source, where it is known.
     pub git: Option<GitState>,

@@ -1,4 +1,4 @@
-//! What changed in how a detector was run.
+//! Changes in how a detector was run.
 
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -9,9 +9,9 @@ use crate::run_folder::manifest::{DetectorEntry, ForeignEntry};
 /// Digits of a checksum that are shown.
 const N_DIGITS: usize = 12;
 
-/// What changed from `before` to `now`, two entries of one detector, each with both values: `mine: vehicles: size → model`.
+/// Changes from `before` to `now`, two entries of one detector, each with both values: `mine: vehicles: size → model`.
 ///
-/// What an earlier version of the program did not write is unknown, and no change.
+/// A value that an earlier version of the program did not write is unknown, and no change.
 pub fn detector_changes(before: &DetectorEntry, now: &DetectorEntry) -> Vec<String> {
     let mut changes = Vec::new();
     let [old, new] = [before, now].map(settings);
@@ -31,7 +31,7 @@ pub fn detector_changes(before: &DetectorEntry, now: &DetectorEntry) -> Vec<Stri
     changes.iter().map(|it| format!("{}: {it}", now.name)).collect()
 }
 
-/// Both values of those of `names` whose values differ, by name.
+/// Both values of those `names` whose values differ, by name.
 fn differing<'a>(
     names: impl Iterator<Item = &'a String>,
     before: &BTreeMap<String, String>,
@@ -42,7 +42,7 @@ fn differing<'a>(
     names.into_iter().map(|it| format!("{it}: {} → {}", value(before, it), value(now, it))).collect()
 }
 
-/// What is known of it beside its parameters and files.
+/// The settings of a detector other than its parameters and files.
 fn settings(entry: &DetectorEntry) -> BTreeMap<String, String> {
     let DetectorEntry { vehicles, foreign, .. } = entry;
     let mut settings = vec![("vehicles classified by", vehicles.clone())];
@@ -63,7 +63,7 @@ fn settings(entry: &DetectorEntry) -> BTreeMap<String, String> {
     settings.into_iter().filter_map(|(name, value)| Some((name.to_owned(), value?))).collect()
 }
 
-/// Adds the values of `parameters`, by their names with dots between.
+/// Adds the values of `parameters`, by their names joined with dots.
 fn add_values(name: &str, parameters: &Value, to: &mut BTreeMap<String, String>) {
     match parameters {
         Value::Object(table) => {
@@ -79,13 +79,13 @@ fn add_values(name: &str, parameters: &Value, to: &mut BTreeMap<String, String>)
     }
 }
 
-/// Its program, and the models that it has from somewhere else.
+/// Checksums of the files of its program, and of its models from elsewhere, by name.
 fn files(entry: &DetectorEntry) -> BTreeMap<String, String> {
     let files = entry.foreign.iter().flat_map(|it| &it.files).chain(&entry.models);
     files.map(|(name, checksum)| (name.clone(), format!("SHA-256 {}…", first_digits(checksum)))).collect()
 }
 
-/// So many files with its results changed, if it ran somewhere else.
+/// The number of its result files that changed, in words, if it ran somewhere else.
 fn result_change(before: &DetectorEntry, now: &DetectorEntry) -> Option<String> {
     let (before, now) = before.foreign.as_ref().zip(now.foreign.as_ref())?;
     let (old, new) = before.results_checksum.as_ref().zip(now.results_checksum.as_ref())?;

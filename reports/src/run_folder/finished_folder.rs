@@ -1,4 +1,4 @@
-//! How a finished folder gets its name.
+//! Gives a finished folder its name.
 
 use std::path::Path;
 
@@ -13,7 +13,7 @@ pub(crate) fn move_to_target(partial: &Path, target: &Path) -> Result<(), RunDir
     };
     let Some(metadata) = metadata(target)? else { return rename(partial, target) };
     if is_empty_folder(target, &metadata)? {
-        // Where the system allows, in one step, so that no moment is without a folder of that name.
+        // In one step where the system allows it, so that there is no moment without a folder of that name.
         if std::fs::rename(partial, target).is_ok() {
             return Ok(());
         }

@@ -1,4 +1,4 @@
-//! What shards say of themselves, as far as all of one run, or of one study, have to say the same.
+//! Entries of manifests that have to be equal in all shards of one run, or of one study.
 
 use crate::run_folder::detector_changes::detector_changes;
 use crate::run_folder::manifest::{DatasetEntry, DetectorEntry, Manifest};
@@ -69,7 +69,7 @@ impl Manifest {
     }
 }
 
-/// How the judged objects and those that were learned from differ.
+/// How the judged objects and the learned ones differ.
 fn different_objects(ours: &Manifest, theirs: &Manifest) -> Option<String> {
     let sets = ours.sets().zip(theirs.sets());
     let mut of_sets = sets.zip(checksums_of_selected(ours).zip(checksums_of_selected(theirs)));
@@ -83,7 +83,7 @@ fn different_objects(ours: &Manifest, theirs: &Manifest) -> Option<String> {
     })
 }
 
-/// How the model and what was asked for differ.
+/// How the model and the settings differ.
 fn different_judging(ours: &PartialEntry, theirs: &PartialEntry) -> Option<String> {
     let models = |it: &PartialEntry| it.sets.iter().map(|it| it.model.clone()).collect::<Vec<_>>();
     if models(ours) != models(theirs) {
@@ -101,17 +101,17 @@ fn different_names(ours: &Manifest, theirs: &Manifest) -> Option<String> {
     (ids(ours) != ids(theirs)).then(|| format!("{} and {}", ids(ours), ids(theirs)))
 }
 
-/// Of each data set, that of what was selected.
+/// The checksum of the selected scans of each data set.
 fn checksums_of_selected(manifest: &Manifest) -> impl Iterator<Item = &str> {
     manifest.shard.iter().flat_map(|it| &it.parts).map(|it| it.selected.as_str())
 }
 
-/// What all shards say of a data set, wherever it lies.
+/// The entry of a data set as all shards have it, wherever the data lie.
 fn common(entry: &DatasetEntry) -> DatasetEntry {
     DatasetEntry { root: None, skipped_scans: Vec::new(), n_points_left_out: 0, ..entry.clone() }
 }
 
-/// What a run was asked for, by the words that ask for it.
+/// The parameters of a run, by the words that set them.
 fn parameters(manifest: &Manifest) -> [(&'static str, String); 6] {
     let names = manifest.detectors.iter().map(|it| it.name.clone()).collect::<Vec<_>>().join(", ");
     let protocols = manifest.protocols.iter().map(|it| it.name()).collect::<Vec<_>>().join(",");
@@ -125,7 +125,7 @@ fn parameters(manifest: &Manifest) -> [(&'static str, String); 6] {
     ]
 }
 
-/// A program of others introduces itself only where it had a scan to look at. Results may lie elsewhere on each machine.
+/// A foreign program introduces itself only where it had a scan to look at. Results may lie elsewhere on each machine.
 fn is_same_detector(ours: &DetectorEntry, theirs: &DetectorEntry) -> bool {
     let (Some(our_program), Some(their_program)) = (&ours.foreign, &theirs.foreign) else {
         return ours == theirs;
@@ -133,7 +133,7 @@ fn is_same_detector(ours: &DetectorEntry, theirs: &DetectorEntry) -> bool {
     let is_same =
         |one: &Option<String>, other: &Option<String>| one.is_none() || other.is_none() || one == other;
     let silent = |it: &DetectorEntry| {
-        // What is suspect of its boxes depends on the scans, too.
+        // Doubts about its boxes depend on the scans, too.
         let mut it = DetectorEntry { doubts: Vec::new(), ..it.clone() };
         if let Some(foreign) = &mut it.foreign {
             (foreign.reported_name, foreign.version) = (None, None);

@@ -343,7 +343,7 @@ impl Manifest {
         pools(self.datasets.iter().map(|it| (it.id.as_str(), it.origin())))
     }
 
-    /// What is suspect of data sets and detectors, and what the user overruled, a sentence each.
+    /// Doubts about data sets and detectors, and those that the user overruled, a sentence each.
     pub fn doubts_in_words(&self) -> Vec<String> {
         let of_dataset = |it: &DatasetEntry| {
             let doubts =
@@ -364,17 +364,17 @@ impl Manifest {
         of_datasets.chain(self.detectors.iter().flat_map(of_detector)).collect()
     }
 
-    /// What is judged one by one, for people.
+    /// Name of a unit that is judged by itself, for people.
     pub fn unit(&self) -> &'static str {
         if self.partial.is_some() { "partial cloud" } else { "scan" }
     }
 
-    /// Whether all its scans were timed on processors of one kind. Times of others are never put together.
+    /// Whether all its scans were timed on processors of one kind. Times on unlike processors are never put together.
     pub fn is_of_like_processors(&self) -> bool {
         processors_of(&self.shards).len() < 2
     }
 
-    /// Nothing yet, for rows of this run.
+    /// An empty tally for rows of this run.
     pub fn tally(&self) -> Tally {
         let processors = if self.is_of_like_processors() { Processors::Alike } else { Processors::Unlike };
         let of_dataset = |it: &DatasetEntry| {
@@ -404,7 +404,7 @@ impl Manifest {
         read_json(path).or_else(|error| read_json(path).ok().and_then(Self::of_old_partial).ok_or(error))
     }
 
-    /// What `partial` wrote before its results had the manifest of all others.
+    /// The manifest of `partial` from before its results had the manifest of all others.
     fn of_old_partial(mut old: serde_json::Map<String, Value>) -> Option<Self> {
         let of_partial = ["sets", "peers", "settings"].into_iter();
         let of_partial = of_partial.filter_map(|it| Some((it.to_owned(), old.remove(it)?)));
@@ -422,7 +422,7 @@ pub(crate) mod tests {
     use crate::files::archive::SCHEMA;
     use crate::run_folder::partial_entry::tests::entry;
 
-    /// Of a result of `scanbench partial`.
+    /// The manifest of a result of `scanbench partial`.
     pub(crate) fn partial_manifest() -> Manifest {
         Manifest {
             schema: SCHEMA,

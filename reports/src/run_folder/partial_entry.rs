@@ -1,4 +1,4 @@
-//! What the manifest of a result of `scanbench partial` says beside what that of a run does.
+//! Entries of a manifest that only a result of `scanbench partial` has.
 
 use std::collections::BTreeMap;
 
@@ -84,7 +84,7 @@ impl ObjectSetEntry {
 }
 
 impl PartialEntry {
-    /// What was done, in words.
+    /// The judged objects, with the objects or the model that methods learned from, in words.
     pub fn title(&self) -> String {
         let of_set = |it: &PartialSet| {
             let judged = it.judged.named();
@@ -109,7 +109,7 @@ pub const SHIPPED: &str = "shipped";
 pub(crate) mod tests {
     use super::*;
 
-    /// Of the rows that tests have, classified by the shipped model.
+    /// The entry of the rows that tests have, classified by the shipped model.
     pub(crate) fn entry() -> PartialEntry {
         let judged = ObjectSetEntry {
             id: "street".to_owned(),

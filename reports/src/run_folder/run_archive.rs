@@ -20,7 +20,7 @@ use crate::run_folder::run_directory::{
 use crate::run_folder::run_target::MANIFEST_JSON;
 use crate::vocabulary::claim_verdict::ClaimVerdict;
 
-/// Everything that a run left behind but pictures and recordings.
+/// Everything in the directory of a run but pictures and recordings.
 #[derive(Debug, Clone)]
 pub struct RunArchive {
     /// How it came about.
@@ -31,26 +31,26 @@ pub struct RunArchive {
     pub scans: Vec<ScanRow>,
     /// One row for every pair, and for every annotation and detection that is in none.
     pub matches: Vec<MatchRow>,
-    /// What was classified by which part of it, of a result of `partial`, which has nothing of all this but its manifest.
+    /// The predicted classes of partly seen objects, of a result of `partial`: it has nothing else but its manifest.
     pub objects: Vec<PartialRow>,
-    /// What came of it under protocols of others.
+    /// Its rows under protocols of others.
     pub protocols: ProtocolTally,
-    /// What came of the claims of the papers, of a run by `reproduce`.
+    /// The verdicts on the claims of the papers, of a run by `reproduce`.
     pub claims: Vec<ClaimRecord>,
-    /// Files that only some runs have and this was made of.
+    /// Files that only some runs have, and that this was read from.
     pub more_files: Vec<PathBuf>,
 }
 
-/// What came of a claim.
+/// The verdict on a claim.
 #[derive(Debug, Clone, PartialEq, Eq, Deserialize)]
 pub struct ClaimRecord {
     /// The claim.
     pub claim: ClaimName,
-    /// What came of it.
+    /// The verdict.
     pub verdict: ClaimVerdict,
 }
 
-/// Which claim it is.
+/// The name of a claim.
 #[derive(Debug, Clone, PartialEq, Eq, Deserialize)]
 pub struct ClaimName {
     /// The letters of the paper.

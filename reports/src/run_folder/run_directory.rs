@@ -22,7 +22,7 @@ pub const MATCHES_CSV: &str = "matches.csv";
 pub const STAGES_CSV: &str = "stages.csv";
 /// Precision over recall, where detections have scores.
 pub const PRECISION_RECALL_CSV: &str = "precision_recall.csv";
-/// What the sensor saw around the worst mistakes.
+/// Points that the sensor saw around the worst mistakes.
 pub const WORST_POINTS_JSON: &str = "worst_points.json";
 /// How often detectors are wrong for each reason, and what repairing it would gain.
 pub const ERRORS_CSV: &str = "errors.csv";
@@ -32,7 +32,7 @@ pub const AGREEMENT_CSV: &str = "agreement.csv";
 pub const RUN_RRD: &str = "run.rrd";
 /// Where the scans of the worst mistakes are recorded, of a run that was made in parts.
 pub const RECORDINGS_JSON: &str = "recordings.json";
-/// Times of what was made in parts on unlike processors, each of these by itself.
+/// Times of a run that was made in parts on unlike processors, for each processor by itself.
 pub const TIMES_OF_PROCESSORS_CSV: &str = "times_of_processors.csv";
 /// The run as a page.
 pub const REPORT_HTML: &str = "report.html";
@@ -40,15 +40,14 @@ pub const REPORT_HTML: &str = "report.html";
 pub const PROTOCOLS_JSON: &str = "protocols.json";
 /// Every annotation and detection under protocols that rank boxes by distance, for each detector.
 pub const PROTOCOL_BOXES_CSV: &str = "protocol_boxes.csv";
-/// What KITTI's evaluation of objects looks at, for each detector.
+/// Annotations, detections and pairs of KITTI's evaluation of objects, for each detector.
 pub const KITTI_OBJECT_CSV: &str = "protocol_kitti_object.csv";
-/// What became of labelled instances, things and ground points under protocols that score labels of points, for each
-/// detector.
+/// Scores of labelled instances, things and ground points under protocols that score labels of points, for each detector.
 pub const PROTOCOL_LABELS_CSV: &str = "protocol_labels.csv";
 /// The files of rows under protocols of others.
 pub const PROTOCOL_FILES: [&str; 3] = [PROTOCOL_BOXES_CSV, KITTI_OBJECT_CSV, PROTOCOL_LABELS_CSV];
 
-/// That of [`PROTOCOL_FILES`] that has the rows under `protocol`.
+/// The file of [`PROTOCOL_FILES`] with the rows under `protocol`.
 pub fn protocol_file(protocol: Protocol) -> &'static str {
     match protocol.family() {
         ProtocolFamily::KittiObjects => KITTI_OBJECT_CSV,
@@ -58,9 +57,9 @@ pub fn protocol_file(protocol: Protocol) -> &'static str {
 }
 /// Folder of the figures of the page, each as a file of its own.
 pub const FIGURES: &str = "figures";
-/// What came of the claims of the papers.
+/// Verdicts on the claims of the papers.
 pub const REPRODUCTION_JSON: &str = "reproduction.json";
-/// What a sweep recommends, a text in each line.
+/// Recommendations of a sweep, a text in each line.
 pub const SWEEP_BEST_TXT: &str = "best.txt";
 /// Rates at all points of a sweep.
 pub const SWEEP_CSV: &str = "sweep.csv";
@@ -68,9 +67,9 @@ pub const SWEEP_CSV: &str = "sweep.csv";
 pub const SWEEP_TIMES_CSV: &str = "times.csv";
 /// Numbers of a sweep under protocols of others.
 pub const SWEEP_PROTOCOLS_CSV: &str = "sweep_protocols.csv";
-/// The same, with all that is needed to read them.
+/// Numbers of a sweep under protocols of others, with all that is needed to read them.
 pub const SWEEP_PROTOCOLS_JSON: &str = "sweep_protocols.json";
-/// All that happened in a shard: an event a line.
+/// The log of a shard: an event a line.
 pub const SHARD_LOG: &str = "shard.log";
 
 /// The predicted classes of partly seen objects: one row for every object, step and method.
@@ -95,8 +94,8 @@ impl RunDirectory {
     ///
     /// # Errors
     ///
-    /// [`RunDirectoryError`] if nothing can be written there, or if `target` exists and may not be replaced, or somebody
-    /// else is writing it: at once, and not after a long run.
+    /// [`RunDirectoryError`] if nothing can be written there, or if `target` exists and may not be replaced, or another run
+    /// is writing it: at once, and not after a long run.
     pub fn create(
         target: &Path,
         existing: ExistingTarget,
@@ -116,17 +115,17 @@ impl RunDirectory {
         Ok(Self { partial, claimed })
     }
 
-    /// Where the run will be.
+    /// Path of the finished run.
     pub fn target(&self) -> &Path {
         self.claimed.target()
     }
 
-    /// Where all of it is written now.
+    /// Folder in which all of it is written now.
     pub fn folder(&self) -> &Path {
         self.partial.path()
     }
 
-    /// Where the file `name` is to be written now, for writers that open it themselves.
+    /// Path at which the file `name` is to be written now, for writers that open it themselves.
     pub fn path_of(&self, name: &str) -> PathBuf {
         self.partial.path().join(name)
     }
@@ -149,20 +148,20 @@ impl RunDirectory {
         write_whole(&self.path_of(name), content)
     }
 
-    /// Brings all files to the disk and the folder to its name, lets `latest` point at it if that was asked for, and
-    /// returns where the run is.
+    /// Brings all files to the disk and the folder to its name, points `latest` at it if that was asked for, and returns the
+    /// path of the run.
     ///
     /// # Errors
     ///
-    /// [`RunDirectoryError`] if the disk does not take it, or if somebody else made the target meanwhile; nothing is left
+    /// [`RunDirectoryError`] if the disk does not take it, or if something was made at the target meanwhile; nothing is left
     /// behind then, and an earlier run stays as it was. If `latest` alone fails, the run is at its path.
     pub fn finish(self) -> Result<PathBuf, RunDirectoryError> {
         sync_tree(self.partial.path())?;
         let target = self.claimed.target().to_path_buf();
-        // In one step for whoever ends the program: no run without the pointer that it is to have.
+        // In one step, even if the program is ended: no run without the pointer that it is to have.
         self.partial.undisturbed(|| {
             self.claimed.check()?;
-            // What is removed in the end is nothing or, after an exchange, the earlier run.
+            // The hidden folder is gone by now or, after an exchange, the earlier run: that is removed in the end.
             move_to_target(self.partial.path(), &target)?;
             if self.claimed.latest() == LatestPointer::Update { point_latest_at(&target) } else { Ok(()) }
         })?;
@@ -186,7 +185,7 @@ fn sync_tree(folder: &Path) -> Result<(), RunDirectoryError> {
     sync_folder(folder)
 }
 
-/// Brings the names in `folder` to the disk, where the system has that notion.
+/// Brings the names in `folder` to the disk, where the system can do so.
 fn sync_folder(folder: &Path) -> Result<(), RunDirectoryError> {
     if cfg!(unix) {
         File::open(folder).and_then(|it| it.sync_all()).map_err(refused(folder))?;

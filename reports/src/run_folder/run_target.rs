@@ -17,7 +17,7 @@ pub const LATEST: &str = "latest";
 /// Runs of one name that are distinguished by a number.
 const MOST_OF_ONE_NAME: usize = 1000;
 
-/// What to do when the target is there already. An empty folder is always taken.
+/// How to treat a target that exists. An empty folder is always taken.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum ExistingTarget {
     /// Leave it and fail.
@@ -26,7 +26,7 @@ pub enum ExistingTarget {
     Replace,
 }
 
-/// What to do with the name `latest` beside the target.
+/// How to treat the name `latest` beside the target.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum LatestPointer {
     /// Let it point at this run.
@@ -41,15 +41,15 @@ pub enum RunDirectoryError {
     /// The path does not end in the name of a folder.
     #[error("{0:?} does not end in the name of a run; give one, such as runs/first")]
     NoName(PathBuf),
-    /// There is something already.
+    /// The target exists.
     #[error("{0:?} exists; choose another name, remove it, or replace it")]
     Occupied(PathBuf),
-    /// There is something already that is no run, and is not replaced.
+    /// The target exists, is no run, and is not replaced.
     #[error(
         "{0:?} exists, but is not the directory of a run, which has a {MANIFEST_JSON}; it is not replaced"
     )]
     NotARun(PathBuf),
-    /// Somebody else is writing it.
+    /// Another run is writing it.
     #[error("another program is writing {0:?}; choose another name, or wait for it")]
     InUse(PathBuf),
     /// The name `latest` is taken by something that does not point at a run.
@@ -60,7 +60,7 @@ pub enum RunDirectoryError {
     Io {
         /// The file or folder.
         path: PathBuf,
-        /// What it said.
+        /// Its error.
         source: io::Error,
     },
     /// A file cannot be written.
@@ -68,7 +68,7 @@ pub enum RunDirectoryError {
     Archive(#[from] ArchiveError),
 }
 
-/// The path of a run directory, which nobody else takes while this lives.
+/// The path of a run directory, which no other run can take while this lives.
 #[derive(Debug)]
 #[must_use = "a path that is not held is anybody's"]
 pub struct ClaimedTarget {
@@ -85,8 +85,8 @@ impl ClaimedTarget {
     ///
     /// # Errors
     ///
-    /// [`RunDirectoryError`] if nothing can be written there, if `target` exists and may not be replaced, or if somebody
-    /// else has taken it.
+    /// [`RunDirectoryError`] if nothing can be written there, if `target` exists and may not be replaced, or if another run
+    /// has taken it.
     pub fn claim(
         target: &Path,
         existing: ExistingTarget,
@@ -103,12 +103,12 @@ impl ClaimedTarget {
         let new_parents = NewFolders::create(parent).map_err(refused(parent))?;
         let claimed = ClaimedName::claim(target).map_err(refused(parent))?;
         let name = claimed.ok_or_else(|| RunDirectoryError::InUse(target.into()))?;
-        // Whoever had it until now may have made something.
+        // The run that had it until now may have made something.
         check_target(target, existing)?;
         Ok(Self { _name: name, _new_parents: new_parents, target: target.into(), existing, latest })
     }
 
-    /// Takes `name` in `folder` or, if that is taken or there is something, `name-2`, `name-3` and so on.
+    /// Takes `name` in `folder` or, if that is taken or exists, `name-2`, `name-3` and so on.
     ///
     /// # Errors
     ///
@@ -128,17 +128,17 @@ impl ClaimedTarget {
         Err(RunDirectoryError::Occupied(folder.join(name)))
     }
 
-    /// Where the run will be.
+    /// Path of the finished run.
     pub fn target(&self) -> &Path {
         &self.target
     }
 
-    /// What becomes of the name `latest`.
+    /// How the name `latest` is treated.
     pub fn latest(&self) -> LatestPointer {
         self.latest
     }
 
-    /// Fails if somebody made something there that may not be replaced.
+    /// Fails if something was made there meanwhile that may not be replaced.
     ///
     /// # Errors
     ///
@@ -148,13 +148,13 @@ impl ClaimedTarget {
     }
 }
 
-/// Turns what the operating system said about `path` into our error.
+/// Turns an error of the operating system about `path` into our error.
 pub(crate) fn refused(path: &Path) -> impl FnOnce(io::Error) -> RunDirectoryError {
     let path = path.to_path_buf();
     move |source| RunDirectoryError::Io { path, source }
 }
 
-/// What is there, without following a link; `None` if nothing is.
+/// Metadata of `path` itself, without following a link; `None` if nothing is there.
 pub(crate) fn metadata(path: &Path) -> Result<Option<Metadata>, RunDirectoryError> {
     match std::fs::symlink_metadata(path) {
         Ok(metadata) => Ok(Some(metadata)),

@@ -7,9 +7,9 @@ use serde::{Deserialize, Serialize};
 use crate::numbers::box_points::{Across, BoxPoints};
 use crate::vocabulary::class::AnnotationClass;
 
-/// Views reach so many cells of [`CELL_M`](crate::numbers::box_points::CELL_M) from the centre, along and across.
+/// Number of cells of [`CELL_M`](crate::numbers::box_points::CELL_M) that views reach from the centre, along and across.
 const REACH: [i32; 2] = [26, 12];
-/// The fullest cells have this number, and each lower one stands for half as many points.
+/// Digit of the fullest cells; each lower one stands for half as many points.
 const FULLEST: u32 = 9;
 
 /// All boxes of the most frequent class of vehicles, laid over one another.
@@ -31,7 +31,7 @@ pub struct SeenLabels {
 }
 
 impl SeenLabels {
-    /// What is seen from above and from the side.
+    /// Packs the views from above and from the side.
     pub fn of([above, side]: [BoxPoints; 2]) -> Self {
         let [length_m, width_m] = above.length_width_m;
         let round = |it: f64| (it * 100.0).round() / 100.0;
@@ -44,7 +44,7 @@ impl SeenLabels {
         }
     }
 
-    /// The same views, to be drawn.
+    /// The views from above and from the side, to be drawn.
     pub fn views(&self) -> [BoxPoints; 2] {
         let [length_m, width_m, height_m] = self.length_width_height_m;
         let views = [(Across::Left, width_m, &self.above), (Across::Up, height_m, &self.side)];

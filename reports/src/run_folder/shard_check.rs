@@ -1,4 +1,4 @@
-//! Whether shards make a run: all of one run, and each once.
+//! Checks that shards make a run: all of one run, and each once.
 
 use std::collections::BTreeSet;
 
@@ -53,7 +53,7 @@ pub fn check_shards(shards: &[NamedShard]) -> Result<Vec<usize>, ShardMismatch> 
         let bad_number = |problem| ShardMismatch(format!("{name}: {problem}"));
         records.push((idx, record.shard().map_err(bad_number)?, record));
     }
-    // So that the order in which they are given decides no word.
+    // The order in which they are given must not change a message.
     records.sort_by_key(|(idx, shard, _)| (shard.index(), &shards[*idx].name));
     let Some((&(first, ..), others)) = records.split_first() else { return Ok(Vec::new()) };
     for (other, ..) in others {
@@ -66,7 +66,7 @@ pub fn check_shards(shards: &[NamedShard]) -> Result<Vec<usize>, ShardMismatch> 
     Ok(records.into_iter().map(|(idx, ..)| idx).collect())
 }
 
-/// What keeps two shards from being of one run, if anything does.
+/// Why two shards are not of one run, if they are not.
 fn not_of_same_run(first: &NamedShard, other: &NamedShard) -> Option<String> {
     let (ours, theirs) = (&first.manifest, &other.manifest);
     let (first, other) = (&first.name, &other.name);

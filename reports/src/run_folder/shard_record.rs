@@ -1,4 +1,4 @@
-//! What a manifest says of a shard: which scans it has, and what it left.
+//! The record of a shard in a manifest: its scans, and the files that it left.
 
 use serde::{Deserialize, Serialize};
 
@@ -112,7 +112,7 @@ impl ShardRecording {
 }
 
 impl ShardRecord {
-    /// Which shard it is.
+    /// The shard that it records.
     ///
     /// # Errors
     ///

@@ -1,4 +1,4 @@
-//! What a manifest says of a sweep: which parameters took which values.
+//! The entry of a sweep in a manifest: parameters and their values.
 
 use serde::{Deserialize, Serialize};
 

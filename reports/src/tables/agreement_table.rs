@@ -1,4 +1,4 @@
-//! How far detectors agree with one another where nothing is labelled.
+//! How far detectors agree where nothing is labelled.
 
 use crate::files::fixed_decimals::fixed_decimals;
 use crate::rows::agreement_row::AgreementRow;
@@ -8,7 +8,7 @@ use crate::tables::sheet::{Part, Sheet, Tabular};
 /// A table for each data set and task, with a line and a column for each detector.
 #[derive(Debug, Clone, Copy)]
 pub struct AgreementOfDetectors<'a> {
-    /// What each two detectors found, one after the other.
+    /// The agreement of each two detectors, one pair after the other.
     pub rows: &'a [AgreementRow],
 }
 

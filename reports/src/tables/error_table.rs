@@ -17,7 +17,7 @@ pub struct ErrorTable<'a> {
 }
 
 impl ErrorTable<'_> {
-    /// The repair that would gain a detector most, in a sentence for each; nothing of those without an F-rate.
+    /// The repair that would gain a detector most, in a sentence for each; none for detectors without an F-rate.
     pub(crate) fn largest_gains(&self) -> Vec<String> {
         let sentence = |detector: &&str| {
             let of_all = self.rows.iter().filter(|it| it.detector == **detector && it.slice == Slice::All);
@@ -46,7 +46,7 @@ impl ErrorTable<'_> {
         reasons
     }
 
-    /// A line for each reason: of every detector how often, and the gain.
+    /// A line for each reason: its number and its gain for every detector.
     fn gains(&self) -> Grid {
         let is_all = |it: &ErrorRow| it.slice == Slice::All;
         let mut columns = ["mistake", "reason"].map(Column::left).to_vec();
@@ -79,7 +79,7 @@ impl ErrorTable<'_> {
         Grid { columns, lines }
     }
 
-    /// A line for each detector, class and range: how often for each reason.
+    /// A line for each detector, class and range: the number of mistakes for each reason.
     fn slices(&self, mistake: MistakeKind, total: &'static str) -> Grid {
         let is_asked = |it: &ErrorRow| it.mistake == mistake && it.slice != Slice::All;
         let reasons = self.reasons(is_asked);
@@ -114,7 +114,7 @@ fn index((mistake, reason): (MistakeKind, &str)) -> Option<usize> {
 }
 
 impl Tabular for ErrorTable<'_> {
-    /// All, then what was missed and what is false by class and range.
+    /// All reasons, then missed objects and false detections by class and range.
     fn sheet(&self) -> Sheet {
         let sentences = [
             "n: missed objects, or false detections.",

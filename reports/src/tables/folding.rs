@@ -45,7 +45,7 @@ pub(crate) fn pieces(grid: &Grid, notes: &Notes, width: usize) -> Vec<Grid> {
     }
     let piece = |columns: &Vec<usize>| {
         let mut piece = grid.with_columns(columns);
-        // A paper has nothing to say about most detectors. A table of words has no columns but its heads.
+        // A paper has no figures for most detectors. A table of words has no columns but its heads.
         piece.lines.retain(|line| {
             columns.len() == n_heads || line.cells[n_heads..].iter().any(|it| !it.text.is_empty())
         });
@@ -54,15 +54,15 @@ pub(crate) fn pieces(grid: &Grid, notes: &Notes, width: usize) -> Vec<Grid> {
     pieces.iter().map(piece).collect()
 }
 
-/// How wide a column is.
+/// Width of a column.
 pub(crate) struct Width {
-    /// All of it.
+    /// The whole width.
     pub(crate) total: usize,
-    /// From the decimal point on, signs included; zero for text.
+    /// The width from the decimal point on, signs included; zero for text.
     pub(crate) fraction: usize,
 }
 
-/// How wide the columns are.
+/// Widths of the columns.
 pub(crate) fn widths(grid: &Grid, notes: &Notes) -> Vec<Width> {
     let n_chars = |text: &str| text.chars().count();
     let columns = grid.columns.iter().enumerate().map(|(column_idx, column)| {

@@ -16,7 +16,7 @@ pub(crate) struct Grid {
 /// The head of a column.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Column {
-    /// What neighbouring columns have in common; stands above them.
+    /// The common head of neighbouring columns; stands above them.
     pub(crate) group: Option<String>,
     pub(crate) title: Cow<'static, str>,
     pub(crate) alignment: Alignment,
@@ -48,7 +48,7 @@ pub(crate) enum LineKind {
 }
 
 impl LineKind {
-    /// Of a line about `extent`.
+    /// The kind of a line about `extent`.
     pub(crate) fn of(extent: &Extent) -> Self {
         if extent.is_overall() { Self::Overall } else { Self::Dataset }
     }
@@ -62,14 +62,14 @@ pub(crate) struct Cell {
     pub(crate) is_interval: bool,
 }
 
-/// Something to be said about a cell.
+/// A remark about a cell.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub(crate) enum Mark {
     /// From a sensor, beside what a simulator made.
     Recorded,
     /// Made by a simulator.
     Simulated,
-    /// Recordings that nobody else has.
+    /// Recordings that are not public.
     NotPublic,
     /// A time on a machine that was busy.
     BusyMachine,
@@ -77,7 +77,7 @@ pub(crate) enum Mark {
     FewScans,
     /// An interval of fewer blocks of scans than it takes for anything to rest on it.
     FewBlocks,
-    /// An interval over scans of which nobody knows which are near others.
+    /// An interval over scans of which it is not known which are near others.
     MaybeNeighbours,
     /// There is no such number.
     Undefined(Undefined),
@@ -86,7 +86,7 @@ pub(crate) enum Mark {
 /// Why there is no number.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub(crate) enum Undefined {
-    /// What is found beyond the annotations may be right or false.
+    /// Detections beyond the annotations may be right or false.
     FalseObjectsUnknown,
     /// Nothing to be found and nothing found.
     ZeroDenominator,
@@ -95,7 +95,7 @@ pub(crate) enum Undefined {
 }
 
 impl Mark {
-    /// That of an interval drawn from these blocks of scans; `None` if nothing is to be said about it.
+    /// The mark of an interval drawn from these blocks of scans; `None` if it needs none.
     pub(crate) fn of_blocks(blocks: BlockCount) -> Option<Self> {
         if blocks.may_be_neighbours() {
             return Some(Self::MaybeNeighbours);
@@ -105,17 +105,17 @@ impl Mark {
 }
 
 impl Column {
-    /// Of text.
+    /// A column of text.
     pub(crate) fn left(title: impl Into<Cow<'static, str>>) -> Self {
         Self { group: None, title: title.into(), alignment: Alignment::Left }
     }
 
-    /// Of numbers.
+    /// A column of numbers.
     pub(crate) fn number(title: impl Into<Cow<'static, str>>) -> Self {
         Self { group: None, title: title.into(), alignment: Alignment::Decimal }
     }
 
-    /// The same below the name of a group.
+    /// Puts the column below the name of a group.
     pub(crate) fn within(self, group: impl Into<String>) -> Self {
         Self { group: Some(group.into()), ..self }
     }
@@ -130,12 +130,12 @@ impl Cell {
         Self { text: text.into(), mark: Some(mark), is_interval: false }
     }
 
-    /// From a number to another, drawn from these blocks of scans.
+    /// The cell of an interval drawn from these blocks of scans.
     pub(crate) fn interval(text: String, blocks: BlockCount) -> Self {
         Self { text, mark: Mark::of_blocks(blocks), is_interval: true }
     }
 
-    /// From the decimal point on; nothing of an interval.
+    /// The text from the decimal point on; empty for an interval.
     pub(crate) fn fraction(&self) -> &str {
         if self.is_interval { "" } else { fraction(&self.text) }
     }
@@ -147,20 +147,20 @@ impl Cell {
 }
 
 impl Grid {
-    /// With a rule above the first of the lines about all data sets alone.
+    /// A grid with a rule above only the first of the lines about all data sets.
     pub(crate) fn with_one_rule(columns: Vec<Column>, mut lines: Vec<Line>) -> Self {
         let overall = lines.iter_mut().filter(|it| it.kind == LineKind::Overall);
         overall.skip(1).for_each(|it| it.kind = LineKind::Dataset);
         Self { columns, lines }
     }
 
-    /// Neighbouring columns with the same group: the group and the number of columns.
+    /// Groups of neighbouring columns, each with its number of columns.
     pub(crate) fn groups(&self) -> Vec<(Option<&str>, usize)> {
         let same_group = self.columns.chunk_by(|left, right| left.group == right.group);
         same_group.map(|columns| (columns[0].group.as_deref(), columns.len())).collect()
     }
 
-    /// Whether a rule stands above a line: that of all data sets, and the first of a paper.
+    /// Whether a rule stands above a line: that about all data sets, and the first of a paper.
     pub(crate) fn begins_part(&self, line_idx: usize) -> bool {
         match self.lines[line_idx].kind {
             LineKind::Overall => true,
@@ -169,7 +169,7 @@ impl Grid {
         }
     }
 
-    /// These columns alone.
+    /// The grid with these columns alone.
     pub(crate) fn with_columns(&self, columns: &[usize]) -> Self {
         let lines = self.lines.iter().map(|line| Line {
             kind: line.kind,
@@ -181,7 +181,7 @@ impl Grid {
         }
     }
 
-    /// For every column, the most characters from the decimal point on.
+    /// For every column the largest number of characters from the decimal point on.
     pub(crate) fn fraction_widths(&self) -> Vec<usize> {
         let width = |column_idx: usize| {
             self.lines.iter().map(move |it| it.cells[column_idx].fraction().chars().count()).max()

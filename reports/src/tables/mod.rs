@@ -1,5 +1,5 @@
 //! Tables: the papers', made of the numbers of a run with one row a data set and the papers' figures beside ours; those of
-//! studies; and those that say what a comparison came to. What they say is apart from the formats they are written in.
+//! studies; and those of comparisons. Their content is apart from the formats that they are written in.
 
 pub mod paper_figures;
 pub(crate) mod grid;

@@ -1,4 +1,4 @@
-//! What has to be said beneath a table.
+//! The notes beneath a table.
 
 use std::collections::BTreeSet;
 
@@ -25,7 +25,7 @@ pub(crate) fn title(table: &TaskTable) -> String {
     format!("Task {}. Rates in %. {}", table.task, about_matching(&table.matching_criterion))
 }
 
-/// By what detections were matched with annotations, of what the manifest says of it.
+/// How detections were matched with annotations, from the criterion in the manifest.
 pub(crate) fn about_matching(criterion: &str) -> String {
     match criterion.strip_prefix("points, IoU at least ") {
         Some(least) => format!("Matched by a point-set IoU of at least {least}."),
@@ -33,7 +33,7 @@ pub(crate) fn about_matching(criterion: &str) -> String {
     }
 }
 
-/// What has to be said beneath `grids`, which are printed together.
+/// The notes beneath `grids`, which are printed together.
 pub(crate) fn notes(table: &TaskTable, grids: &[&Grid]) -> Notes {
     let lines = || grids.iter().flat_map(|it| &it.lines);
     let marks: BTreeSet<Mark> = grids.iter().flat_map(|it| marks(it)).collect();
@@ -84,7 +84,7 @@ pub(crate) fn notes(table: &TaskTable, grids: &[&Grid]) -> Notes {
     notes
 }
 
-/// What decides who leads beside the method: training, rules, where results come from, scans without an answer.
+/// Facts that decide the lead beside the method: training, rules, origin of results, scans without an answer.
 pub(crate) fn about_detectors(table: &TaskTable) -> Vec<String> {
     let read = table.foreign.iter().filter_map(|(detector, results)| {
         Some(format!("{detector} did not run here: its results were read from {}.", results.as_ref()?))
@@ -95,7 +95,7 @@ pub(crate) fn about_detectors(table: &TaskTable) -> Vec<String> {
     vehicles(table).into_iter().chain(rules(table)).chain(read).chain(failures).collect()
 }
 
-/// By what each detector's vehicles are classified; `None` where that is not known, or nobody is asked for them.
+/// Vehicle classifiers of the detectors; `None` where they are not known, or in another task.
 fn vehicles(table: &TaskTable) -> Option<String> {
     let of_words = table.vehicles.iter().map(|(words, names)| format!("{}: {words}", names.join(", ")));
     let of_words: Vec<String> = of_words.collect();
@@ -103,7 +103,7 @@ fn vehicles(table: &TaskTable) -> Option<String> {
         .then(|| format!("Vehicles classified by: {}.", of_words.join(" · ")))
 }
 
-/// What is whose beside the clusters; `None` where nobody has anything. What programs of others do is not known.
+/// Rules of the detectors beside the clusters; `None` if none has any. Those of foreign programs are not known.
 fn rules(table: &TaskTable) -> Option<String> {
     let mut of_names: Vec<(&[String], Vec<&str>)> = Vec::new();
     for (rule, names) in &table.rules {
@@ -129,12 +129,12 @@ fn rules(table: &TaskTable) -> Option<String> {
     (!of_names.is_empty()).then(|| format!("Rules besides clustering: {}.", all.join(" · ")))
 }
 
-/// How intervals are made, and what they say.
+/// How intervals are made, and what they cover.
 pub(crate) fn about_interval(kind: BlockKind) -> String {
     about_interval_of(N_RESAMPLES, kind)
 }
 
-/// The same of another number of resamples.
+/// The text of [`about_interval`] for another number of resamples.
 pub(crate) fn about_interval_of(n_resamples: usize, kind: BlockKind) -> String {
     let of = format!("cluster bootstrap, {n_resamples} resamples");
     let same_drives = "the intervals cover other scans of the same drives, but not other drives";
@@ -168,7 +168,7 @@ pub(crate) fn abbreviations(cpu_model: &str) -> String {
 }
 
 impl Notes {
-    /// `sentences`, and then what the marks in `grids` mean.
+    /// `sentences`, followed by the meanings of the marks in `grids`.
     pub(crate) fn beneath<'a>(grids: impl IntoIterator<Item = &'a Grid>, sentences: Vec<String>) -> Self {
         let mut notes = Self { marks: grids.into_iter().flat_map(marks).collect(), sentences };
         notes.explain_marks();
@@ -180,7 +180,7 @@ impl Notes {
         self.sentences.extend(about_marks);
     }
 
-    /// The sign of a cell's mark, empty without one. Of where scans come from it is a word, see [`Self::tag`].
+    /// The sign of a cell's mark, empty without one. Marks of the origin of scans have a word instead, see [`Self::tag`].
     pub(crate) fn sign(&self, cell: &Cell) -> String {
         match cell.mark {
             None | Some(Mark::Recorded | Mark::Simulated) => String::new(),
@@ -188,7 +188,7 @@ impl Notes {
         }
     }
 
-    /// The word that says where the scans of a cell come from.
+    /// The word for the origin of the scans of a cell.
     pub(crate) fn tag(cell: &Cell) -> Option<&'static str> {
         match cell.mark {
             Some(Mark::Simulated) => Some("simulated"),
@@ -283,7 +283,7 @@ mod tests {
             };
             [0, 1].map(|it| of_table(&tables[it]))
         };
-        // As of a run of an earlier version.
+        // As in a run of an earlier version.
         assert_eq!(said(&manifest), [None, None]);
         for (entry, words) in manifest.detectors.iter_mut().zip(["SVM of eight values", "an SVM", "an SVM"]) {
             entry.vehicles = Some(words.to_owned());

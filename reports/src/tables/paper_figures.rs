@@ -21,7 +21,7 @@ pub struct PaperTable {
 /// A method of a paper.
 #[derive(Debug, PartialEq)]
 pub struct PaperMethod {
-    /// What the paper calls it.
+    /// Its name in the paper.
     pub name: &'static str,
     /// Our detector that does what the paper describes.
     pub detector: &'static str,
@@ -30,13 +30,13 @@ pub struct PaperMethod {
 /// A row of [`PaperTable`].
 #[derive(Debug, PartialEq)]
 pub struct PaperRow {
-    /// What the paper calls the data set.
+    /// Name of the data set in the paper.
     pub name: &'static str,
     /// Where it was recorded.
     pub recordings: Recordings,
     /// NO, the number of annotated objects.
     pub no: u32,
-    /// What each of [`PaperTable::methods`] reached.
+    /// The score of each of [`PaperTable::methods`].
     pub scores: [PaperScore; 2],
 }
 
@@ -51,7 +51,7 @@ pub enum Recordings {
     Both,
 }
 
-/// What a method reached on a data set, as printed.
+/// The score of a method on a data set, as printed.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct PaperScore {
     /// F-rate in percent.
@@ -63,7 +63,7 @@ pub struct PaperScore {
 /// A step of a paper's method, timed there.
 #[derive(Debug, PartialEq)]
 pub struct PaperStep {
-    /// What the paper calls it.
+    /// Its name in the paper.
     pub name: &'static str,
     /// How long it takes there, in milliseconds.
     pub ms: f64,
@@ -71,8 +71,8 @@ pub struct PaperStep {
     pub stages: &'static [&'static str],
 }
 
-/// Our detector that is the papers' own method to the letter. No other has their results beside it: what is in no paper has
-/// none.
+/// Our detector that is the papers' own method to the letter. No other has the papers' results beside it: a method of no
+/// paper has none.
 pub const PAPER_DETECTOR: &str = "paper";
 
 /// The steps of the model-based approach.
@@ -132,7 +132,7 @@ const fn score(f_rate_percent: f64, fps: f64) -> PaperScore {
 }
 
 impl PaperTable {
-    /// What the paper's counterpart of `detector` reached in `row`; `None` if the paper has none.
+    /// The score in `row` of the paper's counterpart of `detector`; `None` if the paper has none.
     pub fn score_beside(&self, row: &PaperRow, detector: &str) -> Option<PaperScore> {
         let method_idx = self.methods.iter().position(|it| it.detector == detector)?;
         Some(row.scores[method_idx])

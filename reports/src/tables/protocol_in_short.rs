@@ -1,4 +1,4 @@
-//! What detectors reach under a protocol in the classes that they give: a few columns.
+//! Numbers of detectors under a protocol in the classes that they give, in a few columns.
 
 use crate::files::fixed_decimals::fixed_decimals;
 use crate::numbers::pools::Pool;
@@ -21,7 +21,7 @@ pub struct ProtocolInShort {
 }
 
 impl ProtocolInShort {
-    /// Those of `report`, in the order of protocols.
+    /// The tables of `report`, in the order of protocols.
     pub fn all(report: &ProtocolReport, manifest: &Manifest, given: &GivenClasses) -> Vec<Self> {
         let of_protocol = |protocol: Protocol| {
             let numbers: Vec<&ProtocolNumber> =
@@ -82,7 +82,7 @@ fn part(numbers: &[&ProtocolNumber], manifest: &Manifest, pool: &Pool, given: &G
     Some(Part { title: Some(title), grid: Grid { columns, lines: lines.collect() } })
 }
 
-/// Classes that are annotated, but given by no detector.
+/// Classes that are annotated, but that no detector gives.
 fn not_given(numbers: &[&ProtocolNumber], protocol: Protocol, given: &GivenClasses) -> Option<String> {
     if !protocol.family().has_classes() {
         return None;

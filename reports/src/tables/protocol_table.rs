@@ -22,7 +22,7 @@ pub struct ProtocolTable<'a> {
     /// The protocol.
     pub protocol: Protocol,
     numbers: Vec<&'a ProtocolNumber>,
-    // How many numbers of the protocol it has not.
+    // Number of the protocol's numbers that are left out.
     n_left_out: usize,
     manifest: &'a Manifest,
 }
@@ -49,7 +49,7 @@ impl<'a> ProtocolTable<'a> {
         tables.filter(|it| !it.numbers.is_empty()).collect()
     }
 
-    /// Whether it has fewer numbers than there are.
+    /// Whether some numbers are left out.
     pub fn is_short(&self) -> bool {
         self.n_left_out > 0
     }
@@ -127,7 +127,7 @@ impl<'a> ProtocolTable<'a> {
         extent_cell(&Extent::Dataset(dataset.to_owned()), origin)
     }
 
-    /// The several data sets of this name.
+    /// The pool of several data sets with this name.
     fn pool(&self, name: &str) -> Option<Pool> {
         self.manifest.pools().into_iter().find(|it| it.is_of_several() && it.extent.name() == name)
     }

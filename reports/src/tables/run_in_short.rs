@@ -1,4 +1,4 @@
-//! A run on one screen: a table for each task and origin, what decides who leads, and the verdict.
+//! A run on one screen: a table for each task and origin, facts that decide the lead, and the verdict.
 
 use crate::numbers::pools::{Pool, pools};
 use crate::rows::agreement_row::AgreementRow;
@@ -15,16 +15,16 @@ use crate::vocabulary::extent::Extent;
 const IN_FULL: &str =
     "Each data set, counts, times and published numbers are on the page, and printed with -v.";
 
-/// What a run came to, in few lines. Its page has everything.
+/// A run in few lines. Its page has everything.
 #[derive(Debug, Clone, PartialEq)]
 pub struct RunInShort {
     /// Task by task, of runs that have labels.
     pub tables: Vec<TaskTable>,
-    /// Under protocols of others.
+    /// Numbers under protocols of others.
     pub protocols: Vec<ProtocolInShort>,
     /// How far detectors agree where nothing is labelled.
     pub agreement: Vec<AgreementRow>,
-    /// Who leads, and who is faster, a text each.
+    /// The leaders, and the fastest detectors, a text each.
     pub verdict: Vec<String>,
 }
 
@@ -44,14 +44,14 @@ impl Tabular for RunInShort {
             }
         }
         let notes = Notes::beneath(parts.iter().map(|it| &it.grid), Vec::new());
-        // What signs mean may have been said beneath a part already.
+        // The meaning of a sign may stand beneath a part already.
         unique.retain(|it| !notes.sentences.contains(it));
         Sheet::of_parts(parts, unique)
     }
 }
 
 impl RunInShort {
-    /// What the numbers of tasks are, and what decides who leads.
+    /// Sentences about the numbers of tasks, and about facts that decide the lead.
     fn sentences(&self) -> Vec<String> {
         let Some(first) = self.tables.first() else { return Vec::new() };
         let about_numbers =

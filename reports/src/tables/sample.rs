@@ -115,7 +115,7 @@ pub(crate) fn report_where(is_kept: impl Fn(&MetricRow) -> bool) -> RunReport {
     with_overall(rows().into_iter().filter(|it| is_kept(it)).collect())
 }
 
-/// The report with another value in the first row about these.
+/// The report with `value` in the first row about this data set, detector and metric.
 pub(crate) fn report_with(dataset: &str, detector: &str, metric: &Metric, value: Option<f64>) -> RunReport {
     let mut rows = rows();
     let row = rows
@@ -126,7 +126,7 @@ pub(crate) fn report_with(dataset: &str, detector: &str, metric: &Metric, value:
     with_overall(rows)
 }
 
-/// The report of these rows and of what those of data sets of one origin add up to.
+/// The report of these rows and of their sums over data sets of one origin.
 fn with_overall(rows: Vec<MetricRow>) -> RunReport {
     let mut ids: Vec<&str> = rows.iter().map(|it| it.subject.dataset.as_str()).collect();
     ids.dedup();

@@ -1,4 +1,4 @@
-//! The table of how long each stage of each detector takes; those of the papers stand beside the published times.
+//! The table of the times of the stages of each detector; those of the papers stand beside the published times.
 
 use crate::files::fixed_decimals::fixed_decimals;
 use crate::numbers::run_report::{MetricRow, RunReport, Subject};
@@ -16,23 +16,23 @@ pub struct StageTable {
     has_published: bool,
 }
 
-/// What is known of the stages of a detector.
+/// The stages of a detector.
 struct StagesOfDetector<'a> {
     detector: &'a str,
-    /// Of each data set.
+    /// Its rows for each data set.
     rows: Vec<Vec<&'a MetricRow>>,
     lines: Vec<TimedStages>,
 }
 
-/// What stands in one line: a stage, or all stages of a step that a paper times.
+/// One line: a stage, or all stages of a step that a paper times.
 struct TimedStages {
     stages: Vec<String>,
-    /// The name of the step, and how long it takes there in milliseconds.
+    /// The name of the step, and its published time in milliseconds.
     published: Option<(&'static str, f64)>,
 }
 
 impl StageTable {
-    /// The stages of all detectors in `report`, one after the other; `None` if nobody has any.
+    /// The stages of all detectors in `report`, one after the other; `None` if no detector has any.
     pub fn new(report: &RunReport, manifest: &Manifest) -> Option<Self> {
         let of_detector = |name| StagesOfDetector::of(name, report, manifest);
         let detectors = manifest.detectors.iter().filter_map(|it| of_detector(it.name.as_str()));
@@ -58,7 +58,7 @@ impl StageTable {
 }
 
 impl<'a> StagesOfDetector<'a> {
-    /// `None` if no stage of it was timed.
+    /// The stages of `detector`; `None` if none was timed.
     fn of(detector: &'a str, report: &'a RunReport, manifest: &Manifest) -> Option<Self> {
         let task = report.first_task()?;
         let rows_of = |dataset: &str| -> Vec<&MetricRow> {
@@ -77,11 +77,11 @@ impl<'a> StagesOfDetector<'a> {
         (!lines.is_empty()).then_some(Self { detector, rows, lines })
     }
 
-    /// The whole detector, and what it is made of.
+    /// The line of the whole detector, and those of its stages.
     fn lines(&self) -> Vec<Line> {
         let p50 = Metric::Latency(LatencyStatistic::P50);
         let whole = self.rows.iter().map(|rows| median_ms(rows, &p50));
-        // Of a detector with other stages than the paper has the sum would say nothing.
+        // For a detector with other stages than the paper has, the sum would say nothing.
         let is_published = self.lines.iter().all(|it| it.published.is_some());
         let published_ms = self.lines.iter().filter_map(|it| Some(it.published?.1)).sum();
         let published = is_published.then_some(("", published_ms));
@@ -96,7 +96,7 @@ impl<'a> StagesOfDetector<'a> {
     }
 }
 
-/// Each of `stages` in a line; of the papers' detector those together that are a step of the paper.
+/// Each of `stages` in a line; for the papers' detector those of one step of the paper in one line.
 fn lines_of(mut stages: Vec<String>, detector: &str) -> Vec<TimedStages> {
     let mut lines = Vec::new();
     for step in VEHICLE_STEPS.iter().filter(|_| detector == PAPER_DETECTOR) {

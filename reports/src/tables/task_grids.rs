@@ -11,8 +11,8 @@ use crate::tables::task_table::{MeasuredRow, Score, TableRow, TaskTable};
 use crate::vocabulary::extent::{Extent, OVERALL};
 use crate::vocabulary::origin::Origin;
 
-/// One line a data set, as in the papers: NO, then for each detector ND, F-rate and fps; beneath it how sure the F-rates
-/// are.
+/// One line a data set, as in the papers: NO, then for each detector ND, F-rate and fps; beneath it the intervals of the
+/// F-rates.
 ///
 /// Where the F-rate is undefined because false objects are unknown, a line with the recall follows.
 fn main_grid(table: &TaskTable) -> Grid {
@@ -39,7 +39,7 @@ fn main_grid(table: &TaskTable) -> Grid {
     Grid { columns, lines }
 }
 
-/// One line a data set and detector: all counts, the rates that [`main_grid`] has not, and what was ignored.
+/// One line a data set and detector: all counts, the rates that [`main_grid`] leaves out, and the ignored objects.
 fn counts_grid(table: &TaskTable) -> Grid {
     let left = ["data set", "detector"].map(Column::left);
     let numbers = ["scans", "NO", "TP", "MO", "FO", "P", "R", "IA", "ID"].map(Column::number);
@@ -82,10 +82,10 @@ fn label(row: &MeasuredRow) -> Cell {
     extent_cell(&row.extent, row.origin)
 }
 
-/// What a row covers, marked if any of it is simulated.
+/// Name of the extent of a row, marked if any of it is simulated.
 pub(crate) fn extent_cell(extent: &Extent, origin: Origin) -> Cell {
     match (origin, extent) {
-        // Recorded is what is not marked; beside simulated ones it has to be said.
+        // Recorded extents are not marked, except beside simulated ones.
         (Origin::Recorded, Extent::OverallOf(_)) => Cell::marked(OVERALL, Mark::Recorded),
         (Origin::Recorded, _) => Cell::new(extent.name()),
         (_, Extent::OverallOf(_)) => Cell::marked(OVERALL, Mark::Simulated),
@@ -106,7 +106,7 @@ fn measured_line(row: &MeasuredRow) -> Line {
     Line { kind: LineKind::of(&row.extent), cells }
 }
 
-/// How sure the rates of the line above are; `None` if that is known of none.
+/// Intervals of the rates of the line above; `None` if none is known.
 fn interval_line(row: &MeasuredRow, interval: fn(&Score) -> Option<Interval>) -> Option<Line> {
     let intervals: Vec<_> = row.scores.iter().map(interval).collect();
     intervals.iter().any(Option::is_some).then(|| {
@@ -196,7 +196,7 @@ fn fps_text(fps: f64) -> String {
 }
 
 impl Tabular for TaskTable {
-    /// As in the papers, then the counts it is made of.
+    /// The papers' table, then the counts that it is made of.
     fn sheet(&self) -> Sheet {
         let [main, counts] = [main_grid(self), counts_grid(self)];
         let notes = notes(self, &[&main, &counts]);
@@ -204,7 +204,7 @@ impl Tabular for TaskTable {
         Sheet { label: self.task.name().to_owned(), lead: Vec::new(), parts, listing: None, notes }
     }
 
-    /// As in the papers.
+    /// The papers' table alone.
     fn printed(&self) -> Sheet {
         let main = main_grid(self);
         let notes = notes(self, &[&main]);

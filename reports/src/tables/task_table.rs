@@ -1,4 +1,4 @@
-//! What the table of a task says, before it is printed anywhere.
+//! The content of the table of a task, before it is printed anywhere.
 
 use crate::numbers::blocks::{BlockKind, Interval};
 use crate::numbers::pools::{Pool, pools};
@@ -28,12 +28,12 @@ pub struct TaskTable {
     pub cpu_model: String,
     /// Names of the detectors, in the order of the columns.
     pub detectors: Vec<String>,
-    /// What some of them do beside finding clusters, with the names of those that do.
+    /// Rules of some of them beside finding clusters, with the names of the detectors that have them.
     pub rules: Vec<(String, Vec<String>)>,
-    /// By what vehicles are classified, in words, with the names of the detectors; nothing of runs that do not say.
+    /// Vehicle classifiers, in words, with the names of the detectors; empty for runs that do not say.
     pub vehicles: Vec<(String, Vec<String>)>,
-    /// Detectors that are not built in, with where their results were read if they did not run here. Nobody knows all their
-    /// rules.
+    /// Detectors that are not built in, with where their results were read if they did not run here. Their rules are not all
+    /// known.
     pub foreign: Vec<(String, Option<String>)>,
     /// Detectors that gave no answer to some scans, with the numbers of these and of all scans.
     pub failures: Vec<(String, [u64; 2])>,
@@ -54,10 +54,10 @@ pub enum TableRow {
     Paper(&'static PaperRow),
 }
 
-/// What was measured on a data set, or on several.
+/// Scores on a data set, or on several together.
 #[derive(Debug, Clone, PartialEq)]
 pub struct MeasuredRow {
-    /// Of what.
+    /// Data set, or several together.
     pub extent: Extent,
     /// Whether a simulator made it.
     pub origin: Origin,
@@ -67,14 +67,14 @@ pub struct MeasuredRow {
     pub scores: Vec<Score>,
 }
 
-/// What a detector reached.
+/// The score of a detector.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Score {
     /// Number of scans evaluated.
     pub n_scans: u64,
-    /// What was found, missed and false.
+    /// Found, missed and false objects.
     pub counts: Counts,
-    /// How sure precision, recall and F-rate are.
+    /// Intervals of precision, recall and F-rate.
     pub intervals: RateIntervals,
     /// Annotations that are neither found nor missed.
     pub n_ignored_annotations: u64,
@@ -84,11 +84,11 @@ pub struct Score {
     pub n_timed_scans: u64,
     /// Scans per second; `None` if no scan was timed.
     pub fps: Option<f64>,
-    /// A busy machine kept the detector waiting on some of these, so that they are unreliable.
+    /// Whether a busy machine kept the detector waiting on some of these, so that its times are unreliable.
     pub on_busy_machine: bool,
 }
 
-/// How sure rates are, where that is known.
+/// Intervals of rates, where they are known.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct RateIntervals {
     /// Of TP / ND.
@@ -100,7 +100,7 @@ pub struct RateIntervals {
 }
 
 impl TaskTable {
-    /// What its intervals were drawn from; `None` if it has none.
+    /// The kind of blocks that its intervals were drawn from; `None` if it has none.
     pub fn block_kind(&self) -> Option<BlockKind> {
         let scores = self.rows.iter().flat_map(|it| match it {
             TableRow::Measured(row) => row.scores.as_slice(),
@@ -199,22 +199,22 @@ fn task_table(report: &RunReport, manifest: &Manifest, task: Task) -> Result<Tas
         detectors,
         paper: published.filter(|_| has_paper),
         lacks_paper: !has_paper && !published_rows.is_empty(),
-        // After all of ours, which they are none of.
+        // Rows of a paper come after all of ours.
         rows: measured.chain(published_rows.into_iter().filter(|_| has_paper).map(TableRow::Paper)).collect(),
     })
 }
 
-/// The rules of `detectors` in the order in which these have them, each with those that do.
+/// The rules of `detectors` in the order in which these have them, each with the detectors that have it.
 fn rules(manifest: &Manifest, detectors: &[String]) -> Vec<(String, Vec<String>)> {
     by_word(manifest, detectors, |it| it.rules.iter())
 }
 
-/// By what the vehicles of `detectors` are classified.
+/// Vehicle classifiers of `detectors`, each with the names of those that have it.
 fn vehicles(manifest: &Manifest, detectors: &[String]) -> Vec<(String, Vec<String>)> {
     by_word(manifest, detectors, |it| it.vehicles.iter())
 }
 
-/// What `words_of` the entries of `detectors` has, in this order, each word with the names of those that have it.
+/// The words that `words_of` gives for the entries of `detectors`, in this order, each with the names of those detectors.
 fn by_word<'a, I: Iterator<Item = &'a String>>(
     manifest: &'a Manifest,
     detectors: &[String],
@@ -401,7 +401,7 @@ mod tests {
             assert_eq!(names(&table), ["main_road", "kitti_tracking", "kitti_object", "OVERALL"]);
             assert!(table.lacks_paper);
         }
-        // Nothing is published of scans like these.
+        // Nothing is published about scans like these.
         manifest.datasets.iter_mut().for_each(|it| it.format = "folder".to_owned());
         let of_others = |it: &Subject| it.detector != PAPER_DETECTOR && it.dataset != "main_road";
         let others = sample::report_where(|it| of_others(&it.subject));

@@ -1,4 +1,4 @@
-//! The table of how long detection takes.
+//! The table of the times of detection.
 
 use crate::files::fixed_decimals::{fixed_decimals, three_digits};
 use crate::numbers::pools::Pool;
@@ -12,7 +12,7 @@ use crate::vocabulary::extent::Extent;
 use crate::vocabulary::metric::{LatencyStatistic, Metric};
 use crate::vocabulary::origin::Origin;
 
-/// How long each detector of a run takes, data set by data set.
+/// Times of each detector of a run, data set by data set.
 #[derive(Debug, Clone, PartialEq)]
 pub struct TimesTable {
     grid: Grid,
@@ -30,7 +30,7 @@ const STATISTICS: [(&str, Metric); 8] = [
     ("1/p50", Metric::FpsP50),
 ];
 
-/// What is not known of every detector; columns without a value are left out.
+/// Metrics that only some detectors have; columns without a value are left out.
 const OF_SOME: [(&str, Metric); 2] = [("CPU", Metric::CpuMean), ("overhead", Metric::OverheadP50)];
 
 impl TimesTable {

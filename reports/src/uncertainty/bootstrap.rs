@@ -1,11 +1,11 @@
-//! The uncertainty of numbers: what they would be if other scans had been drawn.
+//! The uncertainty of numbers: how they vary when other scans are drawn.
 //!
 //! Neighbouring scans show the same objects, so whole [blocks](crate::numbers::blocks) of scans are drawn, with replacement,
-//! as many as there are, and every ratio is computed again from the sums of what was drawn.
+//! as many as there are. Every ratio is computed again from the sums of the drawn blocks.
 //!
-//! What is drawn varies too little where blocks are few: its variance is (n − 1) / n of what it should be, and the ends of a
-//! percentile interval are those of a normal distribution where they should be those of Student's. So percentiles farther
-//! out are taken.
+//! Resamples of few blocks vary too little: their variance is (n − 1) / n of the right one, and the ends of a percentile
+//! interval are those of a normal distribution where they should be those of Student's. So percentiles farther out are
+//! taken.
 //!
 //! Efron, Tibshirani: An Introduction to the Bootstrap, 1993: percentile intervals of clusters. Hesterberg: What Teachers
 //! Should Know About the Bootstrap, The American Statistician 69, 2015, section 3.2 and its "expanded percentile interval".
@@ -20,7 +20,7 @@ use crate::numbers::sums::Sums;
 
 /// Number of times that scans are drawn.
 pub const N_RESAMPLES: usize = 10_000;
-/// What the draws are made from.
+/// Seed of the draws.
 pub const SEED: u64 = 1;
 
 /// How often each block of a data set was drawn, for each resample.
@@ -34,13 +34,13 @@ pub struct Resamples {
 impl Resamples {
     /// Draws from the `blocks` of `dataset`.
     ///
-    /// The same data set is drawn from in the same way whatever else is in the run, and with any number of threads; so
-    /// numbers of different detectors, or of different runs over the same scans, are of the same draws.
+    /// The draws depend on the data set alone, not on the rest of the run or the number of threads. So numbers of
+    /// different detectors, or of different runs over the same scans, have the same draws.
     pub fn draw(dataset: &str, blocks: BlockCount) -> Self {
         Self::first(N_RESAMPLES, dataset, blocks)
     }
 
-    /// The first `n_resamples` of these draws, for numbers that take long to make.
+    /// The first `n_resamples` of these draws, for numbers that take long to compute.
     pub fn first(n_resamples: usize, dataset: &str, blocks: BlockCount) -> Self {
         let n_blocks = blocks.n_blocks as usize;
         let mut times_drawn = vec![0_u16; n_resamples * n_blocks];
@@ -79,7 +79,7 @@ impl Resamples {
         self.times_drawn.chunks(self.chunk_len())
     }
 
-    /// The sums of each resample, where `of_blocks` are the sums of blocks by their indices; those of all others are zero.
+    /// The sums of each resample. `of_blocks` holds sums by index of their block; those of other blocks are zero.
     pub fn sums(&self, of_blocks: &[(usize, Sums)]) -> Vec<Sums> {
         let sum = |times_drawn: &[u16]| {
             let mut sum = Sums::default();
@@ -109,7 +109,7 @@ impl Resamples {
     }
 }
 
-/// Distinguishes names (FNV-1a).
+/// Hash of a name (FNV-1a).
 fn fingerprint(name: &str) -> u64 {
     let step = |hash: u64, byte: u8| (hash ^ u64::from(byte)).wrapping_mul(0x0100_0000_01b3);
     name.bytes().fold(0xcbf2_9ce4_8422_2325, step)
@@ -137,10 +137,10 @@ pub struct Distribution {
 }
 
 impl Distribution {
-    /// Of `values`, one for each resample, drawn from `blocks`.
+    /// The distribution of `values`, one for each resample of `blocks`.
     ///
-    /// `None` if a data set has only one block, which cannot show how different others would be, or if more than one in
-    /// twenty values is undefined.
+    /// `None` if a data set has only one block, which cannot show how blocks vary, or if more than one in twenty values is
+    /// undefined.
     pub fn new(values: impl Iterator<Item = Option<f64>>, blocks: BlockCount) -> Option<Self> {
         let (mut sorted, mut n) = (Vec::new(), 0_usize);
         for value in values {
@@ -152,7 +152,7 @@ impl Distribution {
         is_defined.then_some(Self { sorted, blocks })
     }
 
-    /// The 95 % interval: between percentiles by nearest rank, which lie the farther out the fewer blocks there are.
+    /// The 95 % interval between two percentiles by nearest rank; the fewer blocks, the farther out they lie.
     pub fn interval(&self) -> Interval {
         let tail = expanded_tail(self.blocks);
         let at = |share: f64| {
@@ -162,8 +162,8 @@ impl Distribution {
         Interval { ends: [at(tail), at(1.0 - tail)], blocks: self.blocks }
     }
 
-    /// The standard error: the standard deviation of the values, widened by as much as resamples of few blocks vary too
-    /// little.
+    /// The standard error: the standard deviation of the values, widened by √(n / (n − 1)), since resamples of few blocks
+    /// vary too little.
     pub fn standard_error(&self) -> f64 {
         let n = self.sorted.len() as f64;
         let mean = self.sorted.iter().sum::<f64>() / n;
@@ -180,7 +180,7 @@ impl Distribution {
     }
 }
 
-/// √(n / (n − 1)): by how much resamples of `blocks` vary too little. Of several data sets, n − 1 is the sum of theirs.
+/// √(n / (n − 1)): the factor by which resamples of `blocks` vary too little. n − 1 is summed over data sets.
 fn widening(blocks: BlockCount) -> f64 {
     (blocks.n_blocks as f64 / blocks.degrees_of_freedom as f64).sqrt()
 }

@@ -1,4 +1,4 @@
-//! From what was gathered of a run to its numbers, and how sure they are.
+//! Numbers and their intervals, made of the tally of a run.
 
 use crate::numbers::average_precision::{RankedDetection, average_precision, operating_points};
 use crate::numbers::pools::Pool;
@@ -17,7 +17,7 @@ impl Tally {
         self.metric_rows_of(&self.draw())
     }
 
-    /// The same with intervals of these draws.
+    /// The numbers of each data set, with intervals of these draws.
     pub(crate) fn metric_rows_of(&self, draws: &[Draw]) -> Vec<MetricRow> {
         self.datasets().iter().flat_map(|dataset| self.rows_about(dataset, draws)).collect()
     }
@@ -78,12 +78,12 @@ impl Tally {
         rows
     }
 
-    /// The detections that count, with their scores: none if nothing was found. `None` if one of them has no score, the task
-    /// does not rank them, or nothing was seen of the kind.
+    /// The detections that count, with their scores; empty if nothing was found. `None` if one of them has no score, the
+    /// task does not rank them, or no data set of the question has an evaluated scan.
     pub fn ranked(&self, question: &Question<'_>) -> Option<Vec<RankedDetection>> {
         let mut all = None;
         for dataset_idx in self.datasets_in(question.dataset) {
-            // As for every other number, a data set of which no scan was evaluated says nothing.
+            // As for every other number, a data set without evaluated scans is left out.
             if let Some(gathered) = self.gathered(dataset_idx, question.task, question.detector) {
                 all.get_or_insert_with(Vec::new).extend(gathered.ranked.as_ref()?);
             }
@@ -105,7 +105,7 @@ impl Sample {
         let is_timed = self.total.of(Term::TimedScans) > 0.0;
         let is_listed = |it: &Metric| match it {
             Metric::ReferenceTime | Metric::TimeRatio => is_timed,
-            // Of parts these follow from the others.
+            // For slices these follow from the others.
             Metric::Mo | Metric::Precision => slice == Slice::All,
             _ => true,
         };
@@ -187,7 +187,7 @@ mod tests {
         ScanRow { dataset, sequence, scan, time_s, detector, task, outcome }
     }
 
-    /// What these outcomes of a scan give.
+    /// Tally of a scan with these outcomes.
     fn seen(scan: &ScanRow, outcomes: impl IntoIterator<Item = MatchOutcome>) -> Tally {
         let mut tally = Tally::default();
         tally.add_scan(scan);
@@ -372,7 +372,7 @@ mod tests {
         };
         assert_eq!(average_precision(scan_row(3, 1, 0, Some(0)), vec![missed()]), [Some(0.0); 2]);
         assert_eq!(average_precision(scan_row(3, 1, 0, Some(0)), vec![]), [Some(0.0); 2]);
-        // Nothing to find, false ones unknown, and a task without a ranking.
+        // No annotations, unknown false objects, and a task without a ranking.
         assert_eq!(average_precision(scan_row(3, 0, 0, Some(0)), vec![]), [None; 2]);
         assert_eq!(average_precision(scan_row(3, 1, 0, None), vec![missed()]), []);
         let objects = ScanRow { task: Task::Objects, ..scan_row(3, 1, 0, Some(0)) };
@@ -432,7 +432,7 @@ mod tests {
         let scans = [("a", 0.0), ("a", 0.3), ("a", 0.9), ("a", 1.0), ("a", 3.5)];
         let interval = f_rate_interval(&scans).unwrap();
         assert_eq!((interval.blocks.n_blocks, interval.blocks.kind), (3, BlockKind::Seconds));
-        // The two blocks reach 2 / 6 and 4 / 7: what is drawn lies between.
+        // The two blocks reach 2 / 6 and 4 / 7; all resamples lie between.
         assert_eq!(f_rate_interval(&[("a", 0.0), ("a", 1.1)]).unwrap().ends, [2.0 / 6.0, 4.0 / 7.0]);
     }
 
@@ -461,7 +461,7 @@ mod tests {
             .iter()
             .find(|it| it.subject.slice == Slice::Class(AnnotationClass::Car) && it.metric == Metric::Recall);
         assert_eq!(of_cars.unwrap().interval().unwrap().blocks.n_blocks, 2);
-        // One of a scan that is not there counts nowhere.
+        // A match of a scan without a row counts nowhere.
         tally.add_match(&match_row(5, missed(AnnotationClass::Bus, 30, boxed(10.0, 4.0, 0.0))));
         assert!(!tally.metric_rows().iter().any(|it| it.subject.slice == Slice::Class(AnnotationClass::Bus)));
     }

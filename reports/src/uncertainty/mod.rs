@@ -1,4 +1,4 @@
-//! How sure numbers are: what they would be, had other scans been seen.
+//! Uncertainty of numbers: how they would vary with other scans.
 
 pub mod wilson_interval;
 pub mod bootstrap;

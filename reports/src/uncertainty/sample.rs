@@ -1,4 +1,4 @@
-//! Sums of a run, as they are and as they would be had other scans been drawn.
+//! Sums of a run: of its scans and of every resample of them.
 
 use crate::numbers::blocks::{BlockCount, Blocks, DriveSecond, Interval};
 use crate::numbers::sums::{FalseObjects, Sums};
@@ -21,11 +21,11 @@ impl Draw {
         self.blocks.count()
     }
 
-    /// Adds the terms of a ratio, numerators and denominators of what is drawn together, to those of each resample.
+    /// Adds the terms of a ratio to those of each resample: numerators and denominators by second of a drive.
     ///
     /// # Panics
     ///
-    /// If any of it is of no block.
+    /// If a second is in no block.
     pub fn add_terms<'a>(
         &self,
         of_seconds: impl Iterator<Item = (&'a DriveSecond, [f64; 2])>,
@@ -40,7 +40,7 @@ impl Draw {
     }
 }
 
-/// Sums of one subject, as they are and as they would be had other scans been drawn.
+/// Sums of one subject: of its scans and of every resample of them.
 #[derive(Debug, Clone)]
 pub struct Sample {
     /// Number of scans.
@@ -49,15 +49,15 @@ pub struct Sample {
     pub blocks: BlockCount,
     /// Whether all false objects are known.
     pub false_objects: FalseObjects,
-    /// What the sums are of.
+    /// Slice that the sums are of.
     pub slice: Slice,
     /// The sums themselves.
     pub total: Sums,
-    /// Those of each resample.
+    /// The sums of each resample.
     pub resampled: Vec<Sums>,
 }
 
-/// What a tally has been asked about: a data set or several, a task, a detector, a slice.
+/// Subject of a query to a tally: a data set or several, a task, a detector, a slice.
 #[derive(Debug, Clone, Copy)]
 pub struct Question<'a> {
     /// Id of the data set, or the name of several together: that of their [`Extent`](crate::vocabulary::extent::Extent).
@@ -81,13 +81,13 @@ impl Tally {
         of_datasets.map(draw).collect()
     }
 
-    /// The same without any resample, where only the numbers themselves matter.
+    /// The blocks of each data set without any resample, for numbers that need no interval.
     pub(crate) fn undrawn(&self) -> Vec<Draw> {
         let of_blocks = self.blocks().into_iter();
         of_blocks.map(|blocks| Draw { resamples: Resamples::none(blocks.count()), blocks }).collect()
     }
 
-    /// The sums that are asked for; `None` if nothing was seen of the kind.
+    /// The sums that answer `question`; `None` if no data set has any.
     pub fn sample(&self, question: &Question<'_>, draws: &[Draw]) -> Option<Sample> {
         let mut all: Option<Sample> = None;
         for dataset_idx in self.datasets_in(question.dataset) {
@@ -133,7 +133,7 @@ impl Tally {
 }
 
 impl Sample {
-    /// Both together; false objects are known only where they are in both.
+    /// Both samples together; false objects are known only if they are in both.
     fn with(mut self, other: &Self) -> Self {
         self.n_scans += other.n_scans;
         self.blocks = self.blocks.with(other.blocks);
@@ -147,7 +147,7 @@ impl Sample {
         self
     }
 
-    /// The value of `metric`; `None` if it is undefined, or not measured of the slice.
+    /// The value of `metric`; `None` if it is undefined or not measured for the slice.
     pub fn value(&self, metric: &Metric) -> Option<f64> {
         self.total.value(metric.formula(), self.false_objects).filter(|_| self.slice.measures(metric))
     }

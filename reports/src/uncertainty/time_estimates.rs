@@ -1,4 +1,4 @@
-//! From what was gathered of a run to its speeds, and to its whole report.
+//! Speeds and the whole report, made of the tally of a run.
 
 use crate::numbers::latencies::Latencies;
 use crate::numbers::pools::Pool;
@@ -19,7 +19,7 @@ const STATISTICS: [(LatencyStatistic, u32); 6] = [
 ];
 
 impl Tally {
-    /// The report of everything that was added: rates of all data sets, then their times; and the same of all together.
+    /// The report of all rows that were added: rates of each data set, then times; and both for all data sets together.
     ///
     /// `scoring_version` is that of the rules by which the detections were judged.
     ///

@@ -1,17 +1,17 @@
-//! How sure a median is, and a mean.
+//! Intervals of a median and of a mean.
 
 use crate::numbers::box_errors::NumberWithin;
 use crate::uncertainty::bootstrap::{Distribution, Resamples};
 
-/// The lower median of `values`, with its 95 % interval over resamples of the blocks that the second of each pair names by
-/// their indices. `None` without values.
+/// The lower median of `values`, with its 95 % interval over resamples of blocks. Each value comes with the index of its
+/// block. `None` without values.
 pub fn median_within(values: &[(f64, usize)], resamples: &Resamples) -> Option<NumberWithin> {
     let mut sorted = values.to_vec();
     sorted.sort_by(|a, b| a.0.total_cmp(&b.0));
     within(|n_drawn| weighted_median(&sorted, n_drawn), resamples)
 }
 
-/// The same of the mean.
+/// The mean of `values`, with its 95 % interval as in [`median_within`]. `None` without values.
 pub fn mean_within(values: &[(f64, usize)], resamples: &Resamples) -> Option<NumberWithin> {
     let mut of_groups = vec![(0.0, 0_u32); resamples.blocks().n_blocks as usize];
     for &(value, group) in values {
@@ -33,7 +33,7 @@ fn within(number: impl Fn(&[u16]) -> Option<f64>, resamples: &Resamples) -> Opti
     Some(NumberWithin { value, within })
 }
 
-/// The least of ascending values to which half of the weight comes; `None` without weight.
+/// The least of ascending values at which half of the weight is reached; `None` without weight.
 fn weighted_median(sorted: &[(f64, usize)], weight_of_group: &[u16]) -> Option<f64> {
     let total: u64 = sorted.iter().map(|it| u64::from(weight_of_group[it.1])).sum();
     let mut sum = 0;

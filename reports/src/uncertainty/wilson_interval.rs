@@ -1,10 +1,10 @@
-//! How sure a share is.
+//! Interval of a share.
 
 use crate::numbers::gap_curve::PairCounts;
 
-/// The 95 % interval of a share of which `n_hits` of `n` were seen, by Wilson's score; `None` of nothing.
+/// The 95 % interval of the share `n_hits` of `n`, by Wilson's score; `None` if `n` is 0.
 ///
-/// It stays within 0 to 1, and has a width also where all or none were hits.
+/// It stays within 0 to 1, and has a width even if all or none are hits.
 ///
 /// ```
 /// use reports::uncertainty::wilson_interval::wilson_interval;

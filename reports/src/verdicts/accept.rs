@@ -28,9 +28,9 @@ const MOST_OF_FILE: u64 = 1 << 32;
 
 /// The folder of the accepted run within a baseline.
 pub const ACCEPTED_RUN: &str = "run";
-/// The history of a baseline: what was accepted when and why.
+/// The history of a baseline: each accepted run, when and why.
 pub const SCORES_MD: &str = "SCORES.md";
-/// How much worse a run may be than a baseline.
+/// The tolerances of a baseline: how much worse a run may be.
 pub const TOLERANCES_TOML: &str = "tolerances.toml";
 
 const SCORES_HEAD: &str = "# Accepted scores\n\nF-rates in % of the accepted run, before → after, and why. Written by \
@@ -46,23 +46,23 @@ pub struct Acceptance<'a> {
     pub date: &'a str,
     /// Why the scores are what they are.
     pub why: &'a str,
-    /// What it has to have in common with the run that was accepted before.
+    /// The relation that it needs to the run that was accepted before.
     pub succession: Succession,
 }
 
-/// What a run has to have in common with the run that was accepted before.
+/// The relation that a run needs to the run that was accepted before.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Succession {
-    /// The scans, and the rules of judging.
+    /// Equal scans, and equal rules of judging.
     Comparable,
-    /// Nothing: the history goes on, but its numbers do not.
+    /// None: the history goes on, but its numbers do not.
     Anew,
 }
 
 /// Why results cannot be accepted.
 #[derive(Debug, thiserror::Error)]
 pub enum AcceptError {
-    /// The program that made them was built from changes that nobody can find again.
+    /// The program that made them was built from uncommitted changes, which cannot be found again.
     #[error(
         "the run was made by a program with uncommitted changes after commit {0}; commit them and run again"
     )]
@@ -81,7 +81,7 @@ pub enum AcceptError {
     History {
         /// The file.
         path: PathBuf,
-        /// What the operating system said.
+        /// The error of the operating system.
         source: io::Error,
     },
 }
@@ -95,8 +95,8 @@ pub fn run_of_baseline(directory: &Path) -> PathBuf {
 /// Makes `run` the accepted run of the baseline `directory`, with the files of `beside` by their names, and adds a line to its
 /// history, which is returned.
 ///
-/// What is ignored is left out of the matches: it makes half of them, counts for nothing, and its numbers are in the
-/// rows of the scans.
+/// Ignored objects are left out of the matches: they are half of them, count for nothing, and their numbers are in the rows
+/// of the scans.
 ///
 /// # Errors
 ///
@@ -150,11 +150,11 @@ pub fn accept(
     Ok(line)
 }
 
-/// Nobody finds a program again that was built from uncommitted changes.
+/// Refuses a program that was built from uncommitted changes: it cannot be found again.
 ///
 /// # Errors
 ///
-/// [`AcceptError::Dirty`] if there were some.
+/// [`AcceptError::Dirty`] if there were such changes.
 pub fn refuse_uncommitted(git: Option<&GitState>) -> Result<(), AcceptError> {
     match git {
         Some(git) if git.dirty => Err(AcceptError::Dirty(git.commit.clone())),
@@ -162,18 +162,18 @@ pub fn refuse_uncommitted(git: Option<&GitState>) -> Result<(), AcceptError> {
     }
 }
 
-/// Where the program happened to lie is none of a baseline's business.
+/// The place of the program does not belong in a baseline.
 fn forget_program_path(argv: &mut [String]) {
     if let Some(program) = argv.first_mut() {
         "scanbench".clone_into(program);
     }
 }
 
-/// The line that `line` makes of what was accepted before, if anything was: of that, or why it is no predecessor.
+/// The line that `line` makes of the run accepted before, if there is one; a new baseline says why that is no predecessor.
 ///
 /// # Errors
 ///
-/// [`AcceptError::NoSuccessor`] if it is none and should be.
+/// [`AcceptError::NoSuccessor`] if it is no predecessor and should be.
 fn line_after(
     before: Option<Result<RunArchive, String>>,
     succession: Succession,
@@ -189,7 +189,7 @@ fn line_after(
     }
 }
 
-/// What was accepted in `target`, if anything was: a run that `check` lets another follow, or why none can.
+/// The accepted run in `target`, if there is any: one that `check` lets another follow, or why none can.
 fn predecessor(
     target: &Path,
     check: impl FnOnce(&RunArchive) -> Result<(), NotComparable>,
@@ -206,7 +206,7 @@ fn predecessor(
     }))
 }
 
-/// Whether a number of the report is made of it: what is tall has a slice of its own.
+/// Whether a number of the report is made of it: tall annotations have a slice of their own.
 fn counts(outcome: &MatchOutcome) -> bool {
     !matches!(outcome, MatchOutcome::IgnoredAnnotation { .. } | MatchOutcome::IgnoredDetection { .. })
 }
@@ -241,7 +241,7 @@ fn history_line(acceptance: Acceptance<'_>, git: Option<&GitState>, scores: &str
     format!("- {}{commit}{scores}. {}.", acceptance.date, why.trim_end_matches('.'))
 }
 
-/// The F-rates of each task, and what they were before.
+/// The F-rates of each task, and their values before.
 fn scores(before: Option<&RunArchive>, run: &RunArchive) -> String {
     let mut line = String::new();
     let tally = run.tally();
@@ -272,7 +272,7 @@ fn percent(run: &RunArchive, task: Task, detector: &str) -> Option<String> {
     (!of_pools.is_empty()).then(|| of_pools.join(" and "))
 }
 
-/// Of every curve of partly seen objects the numbers at its middle and last step, and what they were before.
+/// The numbers of every curve of partly seen objects at its middle and last step, and their values before.
 fn scores_of_objects(before: &[PartialRow], rows: &[PartialRow]) -> String {
     let before = PartialCurve::all(before);
     let of_curve = |curve: &PartialCurve| {

@@ -1,4 +1,4 @@
-//! Tolerances as a file for people to change: every rule with what it means.
+//! Tolerances as a file for people to change: every rule with its meaning.
 
 use std::fmt::Write as _;
 
@@ -21,7 +21,7 @@ const HEAD: &str = "\
 ";
 
 impl Tolerances {
-    /// The file of these tolerances, with what the built-in ones say of each metric.
+    /// The file of these tolerances, with the built-in meaning of each metric.
     pub fn annotated(&self) -> String {
         let sizes = Sizes::built_in();
         let mut text = HEAD.to_owned();
@@ -68,7 +68,7 @@ fn meaning(rule: &Rule, sizes: &Sizes) -> String {
     meant.map(|(_, meaning)| meaning.as_str()).collect::<Vec<_>>().join("\n")
 }
 
-/// What a rule means, and the beginning of its table.
+/// Writes the meaning of a rule, and the head of its table.
 fn push_head(text: &mut String, meaning: &str, head: &str) {
     text.push('\n');
     for line in meaning.trim().lines() {
@@ -77,7 +77,7 @@ fn push_head(text: &mut String, meaning: &str, head: &str) {
     writeln!(text, "{head}").expect("a string takes all");
 }
 
-/// Nothing where names are left out.
+/// Writes a list of names; nothing where names are left out.
 fn push_names(text: &mut String, field: &str, names: Option<&Vec<String>>) {
     if let Some(names) = names {
         let names: Vec<String> = names.iter().map(|it| quoted(it)).collect();
@@ -85,7 +85,7 @@ fn push_names(text: &mut String, field: &str, names: Option<&Vec<String>>) {
     }
 }
 
-/// Of which detectors, and how much.
+/// Writes the detectors of a rule, and its sizes.
 fn push_sizes(text: &mut String, rule: &Rule) {
     push_names(text, "detectors", rule.detectors.as_ref());
     push_size(text, "absolute", rule.absolute);

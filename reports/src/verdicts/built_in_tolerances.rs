@@ -1,4 +1,4 @@
-//! Tolerances for a baseline that has none: about exactly the numbers that it has.
+//! Tolerances for a baseline that has none: for exactly the numbers that it has.
 
 use serde::Deserialize;
 
@@ -16,7 +16,7 @@ use crate::vocabulary::task::Task;
 
 const SIZES: &str = include_str!("built_in_tolerances.toml");
 
-/// Of partly seen objects.
+/// The file for partly seen objects.
 pub(super) const OF_OBJECTS: &str = include_str!("partial_tolerances.toml");
 
 /// How much of each number is tolerated, and what it means.
@@ -30,7 +30,7 @@ pub(super) struct Sizes {
     pub(super) speed: SpeedSize,
 }
 
-/// Of a metric of everything.
+/// For a metric of everything.
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(super) struct MetricSize {
@@ -40,7 +40,7 @@ pub(super) struct MetricSize {
     relative: f64,
 }
 
-/// Of a count where no annotation counts.
+/// For a count where no annotation counts.
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(super) struct NegativeSize {
@@ -50,7 +50,7 @@ pub(super) struct NegativeSize {
     relative: f64,
 }
 
-/// Of a metric of slices.
+/// For a metric of slices.
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(super) struct SliceSize {
@@ -61,7 +61,7 @@ pub(super) struct SliceSize {
     relative: f64,
 }
 
-/// Of the numbers of all classes together under a protocol of others.
+/// For the numbers of all classes together under a protocol of others.
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(super) struct ProtocolSize {
@@ -71,7 +71,7 @@ pub(super) struct ProtocolSize {
     relative: f64,
 }
 
-/// Of times.
+/// For times.
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(super) struct SpeedSize {
@@ -159,7 +159,7 @@ impl Numbers<'_> {
         })
     }
 
-    /// The detectors that have `metric` in `task`, of a slice that `pattern` stands for.
+    /// The detectors that have `metric` in `task`, for a slice that `pattern` stands for.
     fn detectors(&self, metric: &Metric, task: Task, pattern: &str) -> Vec<String> {
         let has_it = |detector: &&String| {
             let slices = self.tally.slices(task, detector).into_iter();
@@ -169,8 +169,8 @@ impl Numbers<'_> {
         self.tally.detectors().iter().filter(has_it).cloned().collect()
     }
 
-    /// Rules about a metric of the slices that `patterns` stand for: one for all tasks, and all patterns, that the same
-    /// detectors have it in.
+    /// Rules about a metric of the slices that `patterns` stand for: one rule for all tasks and patterns that have the
+    /// metric for the same detectors.
     fn rules_about(&self, id: &str, patterns: &[String], [absolute, relative]: [f64; 2]) -> Vec<Rule> {
         let metric = Metric::from_id(id).expect("the file is a part of the program and tested");
         let of_task = |task: Task| {
@@ -194,7 +194,7 @@ impl Numbers<'_> {
         rules.collect()
     }
 
-    /// About false detections, in the tasks in which no annotation counts.
+    /// Rules about false detections, in the tasks in which no annotation counts.
     fn rules_of_negatives(&self, size: &NegativeSize) -> Vec<Rule> {
         let all = Slice::All.name();
         let rules =
@@ -210,7 +210,7 @@ impl Numbers<'_> {
         rules.into_iter().filter_map(only_negative).collect()
     }
 
-    /// Of the detectors that were timed; nothing if none was.
+    /// The rule about the times of the detectors that were timed; `None` if none was.
     fn speed_rule(&self, relative: f64) -> Option<Rule> {
         // Every task has the same times.
         let timed = self.detectors(&Metric::TimeRatio, *self.tally.tasks().first()?, "all");

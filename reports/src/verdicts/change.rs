@@ -27,7 +27,7 @@ named! {
 }
 
 impl ChangeKind {
-    /// So many changes of this kind, for people.
+    /// The text of `n` changes of this kind, for people.
     pub fn counted(self, n: usize) -> String {
         let [one, many] = match self {
             Self::Lost => ["object lost", "objects lost"],
@@ -51,21 +51,21 @@ impl ChangeKind {
 pub struct Change {
     /// Its kind.
     pub kind: ChangeKind,
-    /// The object with what became of it before and now, in words.
+    /// The object with its outcomes before and now, in words.
     pub text: String,
-    /// Number of its points: of changes of a kind that of the largest object is the worst.
+    /// Number of its points: among changes of one kind, that of the largest object is the worst.
     pub n_points: u64,
-    /// Number of objects: one, or those of which no more is known than how many they are.
+    /// Number of objects: one, or that of objects of which only the number is known.
     pub n_objects: usize,
 }
 
 impl Change {
-    /// Of one object of `n_points`.
+    /// A change of one object of `n_points`.
     pub fn of_object(kind: ChangeKind, n_points: u64, text: String) -> Self {
         Self { kind, text, n_points, n_objects: 1 }
     }
 
-    /// Of `n_objects`, or other numbers of a scan, whose change is less than is shown.
+    /// A change of `n_objects`, or of other numbers of a scan, that is smaller than what is shown.
     pub fn not_shown(n_objects: usize, text: String) -> Self {
         Self { kind: ChangeKind::NotShown, text, n_points: 0, n_objects }
     }
@@ -80,7 +80,7 @@ pub fn n_of_kinds<'a>(changes: impl Iterator<Item = &'a Change>) -> BTreeMap<Cha
     counts
 }
 
-/// The same for people: `65 objects lost, 3 new false detections`.
+/// The counts for people: `65 objects lost, 3 new false detections`.
 pub fn in_words(counts: &BTreeMap<ChangeKind, usize>) -> String {
     counts.iter().map(|(kind, n)| kind.counted(*n)).collect::<Vec<_>>().join(", ")
 }

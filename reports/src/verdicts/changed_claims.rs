@@ -1,16 +1,16 @@
-//! Claims of the papers of which something else comes than in the accepted run.
+//! Claims of the papers whose verdict differs from that in the accepted run.
 
 use crate::run_folder::run_archive::{ClaimName, ClaimRecord};
 use crate::vocabulary::claim_verdict::ClaimVerdict;
 
-/// A claim of which something else comes.
+/// A claim whose verdict changed.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct ChangedClaim {
-    /// Which it is.
+    /// The claim.
     pub claim: ClaimName,
-    /// What came of it in the accepted run.
+    /// Its verdict in the accepted run.
     pub before: ClaimVerdict,
-    /// What comes of it now; a run that does not judge it cannot test it.
+    /// Its verdict now; a run that does not judge it cannot test it.
     pub after: ClaimVerdict,
 }
 
@@ -28,7 +28,7 @@ impl ChangedClaim {
     }
 }
 
-/// The claims of `before` of which something else comes in `after`.
+/// The claims of `before` whose verdict in `after` is another one.
 pub fn changed_claims(before: &[ClaimRecord], after: &[ClaimRecord]) -> Vec<ChangedClaim> {
     let changed = before.iter().filter_map(|it| {
         let now = after.iter().find(|now| now.claim == it.claim);

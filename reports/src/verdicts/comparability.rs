@@ -18,8 +18,8 @@ pub struct NotComparable {
     pub reasons: Vec<String>,
 }
 
-/// Checks that `run` was asked what `baseline` was: the same scans, judged by the same rules, with all its detectors and
-/// tasks.
+/// Checks that `run` answers the same question as `baseline`: the same scans, judged by the same rules, with all its
+/// detectors and tasks.
 ///
 /// Detectors that `run` has beyond those of `baseline` do not matter, nor does anything of a detector itself: its parameters,
 /// its program and models, or the files with its results. They are what a comparison is for.
@@ -41,7 +41,7 @@ pub fn check_comparable(baseline: &RunArchive, run: &RunArchive) -> Result<(), N
     if reasons.is_empty() { Ok(()) } else { Err(NotComparable { reasons }) }
 }
 
-/// What differs in the rules of judging.
+/// Differences in the rules of judging.
 fn rules(baseline: &Manifest, run: &Manifest) -> Vec<String> {
     let mut reasons = Vec::new();
     let mut compare = |what: &str, before: String, now: String| {
@@ -97,7 +97,7 @@ fn difference(before: &DatasetEntry, now: &DatasetEntry) -> Option<String> {
     None
 }
 
-/// What differs in who looked at which scans.
+/// Differences in the scans, and in the detectors that looked at them.
 fn scans(baseline: &RunArchive, run: &RunArchive) -> Vec<String> {
     let of_scans = |it: &RunArchive| {
         let rows = it.scans.iter();
@@ -131,7 +131,7 @@ fn scans(baseline: &RunArchive, run: &RunArchive) -> Vec<String> {
     missing_detectors(baseline, run)
 }
 
-/// Curves of `baseline` of which `run` has not all the same parts of objects.
+/// Curves of `baseline` of which `run` lacks some parts of objects.
 fn partial_clouds(baseline: &RunArchive, run: &RunArchive) -> Vec<String> {
     let (before, now) = (rows_of_curves(&baseline.objects), rows_of_curves(&run.objects));
     if baseline.manifest.partial.is_some() && before.is_empty() {
@@ -147,7 +147,7 @@ fn partial_clouds(baseline: &RunArchive, run: &RunArchive) -> Vec<String> {
     before.iter().filter_map(difference).collect()
 }
 
-/// The first scan of which points or labels are not what they were, and how many there are.
+/// The first scan whose points or labels changed, and the number of such scans.
 fn changed_scan(baseline: &RunArchive, run: &RunArchive) -> Option<String> {
     let checksums = |it: &RunArchive| {
         let of_row = |row: &ScanRow| {
@@ -200,7 +200,7 @@ fn missing_detectors(baseline: &RunArchive, run: &RunArchive) -> Vec<String> {
     whole.chain(missing).collect()
 }
 
-/// What changed in the configuration of detectors of both runs, a text each.
+/// Changes in the configuration of detectors of both runs, a text each.
 pub fn configuration_changes(baseline: &RunArchive, run: &RunArchive) -> Vec<String> {
     let of_run = |name: &str| run.manifest.detectors.iter().find(|it| it.name == name);
     let pairs = baseline.manifest.detectors.iter().filter_map(|it| Some((it, of_run(&it.name)?)));

@@ -17,7 +17,7 @@ use crate::vocabulary::study::Study;
 /// A scan on which results of a detector changed.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ScanDrift {
-    /// Which scan, which detector, which task.
+    /// The scan, the detector and the task.
     pub subject: ScanSubject,
     /// All changes, the worst first: an entry for each object, and one for all changes that are too small to be shown.
     pub changes: Vec<Change>,
@@ -39,7 +39,7 @@ pub struct ScanSubject {
 }
 
 impl ScanSubject {
-    /// Of a row of partly seen objects: the object is the drive, and its step is the scan.
+    /// The subject of a row of partly seen objects: the object is the drive, and its step is the scan.
     fn of_object(row: &PartialRow) -> Self {
         let curve = CurveName::of(row);
         let (sequence, task) = (row.object.clone(), Study::Partial.name().to_owned());
@@ -58,7 +58,7 @@ impl ScanSubject {
 
 /// All scans on which results of a detector differ between `baseline` and `run`, which is of the same scans.
 ///
-/// What is ignored is compared by its number alone.
+/// Ignored objects are compared by their number alone.
 pub fn drift(baseline: &RunArchive, run: &RunArchive) -> Vec<ScanDrift> {
     let (before, now) = (scans_of(baseline), scans_of(run));
     let drifts = before.into_iter().filter_map(|(subject, before)| {
@@ -88,7 +88,7 @@ fn changed_classes(baseline: &RunArchive, run: &RunArchive) -> Vec<ScanDrift> {
     predicted(baseline).into_iter().filter_map(drift).collect()
 }
 
-/// What became of the objects of a scan.
+/// The objects of a scan with their outcomes.
 #[derive(Default)]
 struct ScanObjects<'a> {
     numbers: Option<&'a ScanNumbers>,
@@ -96,7 +96,7 @@ struct ScanObjects<'a> {
     unmatched: BTreeMap<UnmatchedKey, Unmatched<'a>>,
 }
 
-/// What became of an annotation.
+/// The fate of an annotation.
 #[derive(PartialEq)]
 enum Fate<'a> {
     Matched { detection: &'a DetectionFacts, cost: f64 },
@@ -106,11 +106,11 @@ enum Fate<'a> {
 /// A detection that matched nothing.
 struct Unmatched<'a> {
     detection: &'a DetectionFacts,
-    /// Why it is false; `None` where nobody can know whether it is.
+    /// Why it is false; `None` where it cannot be known whether it is.
     reason: Option<FalseReason>,
 }
 
-/// What identifies a detection that matched nothing: its place. Its number changes with those of others.
+/// Identifies a detection that matched nothing by its place. Its number changes with those of others.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 struct UnmatchedKey {
     center_mm: [i64; 3],
@@ -213,7 +213,7 @@ fn annotation_changes(before: &ScanObjects<'_>, now: &ScanObjects<'_>) -> Vec<Ch
     changes
 }
 
-/// What became another fate, and how bad that is; `None` if all but the number of a detection is the same.
+/// The change of a fate, and its kind; `None` if only the number of a detection differs.
 fn fate_change(before: &Fate<'_>, now: &Fate<'_>) -> Option<(ChangeKind, String)> {
     let change = match (before, now) {
         (Fate::Matched { detection: old, cost: old_cost }, Fate::Matched { detection, cost }) => {
@@ -247,7 +247,7 @@ fn fate_change(before: &Fate<'_>, now: &Fate<'_>) -> Option<(ChangeKind, String)
     Some(change)
 }
 
-/// Changes of detections that matched nothing. One that was moved a little is no new one.
+/// Changes of detections that matched nothing. One that moved a little is not a new one.
 fn detection_changes(before: &ScanObjects<'_>, now: &ScanObjects<'_>) -> Vec<Change> {
     let mut gone: BTreeMap<UnmatchedKey, &Unmatched<'_>> =
         before.unmatched.iter().map(|(key, it)| (*key, it)).collect();
@@ -290,7 +290,7 @@ fn nearest(
     near.min_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1))).map(|it| it.1)
 }
 
-/// What changed of a detection that matched nothing before, and matches nothing now; `None` if all but its number is the same.
+/// The change of a detection that matched nothing before, and matches nothing now; `None` if only its number differs.
 fn unmatched_change(before: &Unmatched<'_>, now: &Unmatched<'_>) -> Option<Change> {
     let renumbered = DetectionFacts { id: now.detection.id, ..before.detection.clone() };
     if before.reason == now.reason && renumbered == *now.detection {
@@ -318,7 +318,7 @@ impl Unmatched<'_> {
         self.reason.map_or_else(|| "unknowable".to_owned(), |it| format!("false ({})", it.name()))
     }
 
-    /// One that is on one side only: of `kind` if it is false.
+    /// The change of a detection that is on one side only: of `kind` if it is false.
     fn change(&self, what: &str, kind: ChangeKind) -> Change {
         let kind = if self.reason.is_some() { kind } else { ChangeKind::Otherwise };
         let text = format!("{}: {what}{}", unmatched_name(self.detection), self.in_words());
@@ -340,7 +340,7 @@ fn unmatched_name(detection: &DetectionFacts) -> String {
     format!("detection of {} points at ({x_m:.1}, {y_m:.1}) m", detection.n_points)
 }
 
-/// What changed in the numbers of a scan all of whose matches are the same; times always do.
+/// The change in the numbers of a scan all of whose matches are the same; times, which always change, do not count.
 fn number_changes(before: Option<&ScanNumbers>, now: Option<&ScanNumbers>) -> Option<Change> {
     let untimed = |it: Option<&ScanNumbers>| {
         it.map(|it| ScanNumbers {

@@ -1,4 +1,4 @@
-//! What a difference means for a gate.
+//! The meaning of a difference for a gate.
 
 use crate::vocabulary::named::named;
 
@@ -17,7 +17,7 @@ named! {
 }
 
 impl Finding {
-    /// What people read.
+    /// The word that people read.
     pub fn in_words(self) -> &'static str {
         match self {
             Self::Regression => "worse",
@@ -27,7 +27,7 @@ impl Finding {
         }
     }
 
-    /// What it means that a number is worse by `worsening`, and surely by `sure` if anything can be sure.
+    /// The finding of a number that is worse by `worsening`, and surely by `sure` if anything can be sure.
     pub(super) fn of(worsening: f64, sure: Option<f64>, tolerance: f64) -> Self {
         if sure.is_some_and(|it| it > tolerance) {
             Self::Regression

@@ -1,4 +1,4 @@
-//! Which cell size a reading of the fitness recommends, and what that costs.
+//! The cell size that a reading of the fitness recommends, and its cost.
 
 use serde::{Deserialize, Serialize};
 
@@ -10,7 +10,7 @@ use crate::numbers::sweep_score::SweepScores;
 use crate::vocabulary::origin::Origin;
 use crate::vocabulary::task::Task;
 
-/// What stands instead of a reading for the cell size that the detector has where it is not swept.
+/// Stands instead of a reading for the cell size that the detector has where it is not swept.
 pub const CONFIGURED: &str = "as configured";
 
 row! {
@@ -58,7 +58,7 @@ row! {
     }
 }
 
-/// Every reading on every curve over cell sizes.
+/// The verdicts on every reading on every curve over cell sizes.
 pub fn fitness_verdicts(sweep: &SweepScores) -> Vec<FitnessVerdict> {
     let curves = sweep.curves();
     let over_cells = curves.iter().filter(|it| it.sweeps_cells());
@@ -66,7 +66,7 @@ pub fn fitness_verdicts(sweep: &SweepScores) -> Vec<FitnessVerdict> {
     over_cells.flat_map(|curve| of_curve(curve, configured)).collect()
 }
 
-/// The readings, and for comparison the cell size that the detector has anyway.
+/// The verdicts on the readings, and for comparison on the cell size that the detector has anyway.
 fn of_curve(curve: &SweepCurve<'_>, configured: Option<f64>) -> Vec<FitnessVerdict> {
     let mut verdicts: Vec<_> = (0..n_readings(curve)).map(|it| verdict(curve, it)).collect();
     let index =
@@ -129,7 +129,7 @@ fn verdict(curve: &SweepCurve<'_>, reading_idx: usize) -> FitnessVerdict {
     }
 }
 
-/// Indices where a reading whose numerator never falls below 0 has no value, or changes its sign to the next.
+/// Number of places where a reading whose numerator never falls below 0 has no value, or changes its sign to the next.
 fn n_poles(values: &[Option<f64>], range: Option<[f64; 2]>) -> u64 {
     if range.is_none() {
         return 0;

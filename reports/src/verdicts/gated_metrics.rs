@@ -24,15 +24,15 @@ pub struct GatedMetric {
     pub detector: String,
     /// Name of the slice, or of the class under a protocol.
     pub slice: String,
-    /// What was measured.
+    /// The metric.
     pub metric: Metric,
     /// Index of the rule that decides about it, among those of its kind.
     pub rule_idx: usize,
-    /// Before and after, or where there is no number.
+    /// The numbers before and after, or where one is missing.
     pub difference: Result<PairedDifference, Missing>,
     /// How much worse it may become.
     pub tolerance: f64,
-    /// What that means.
+    /// The meaning of the difference.
     pub finding: Finding,
 }
 
@@ -55,7 +55,7 @@ impl GatedMetric {
         Self { on, task, detector, slice, metric, rule_idx, difference, tolerance, finding }
     }
 
-    /// What it is about: the task, and the data sets if there are others.
+    /// Its task, and its data sets if there are others.
     pub fn about(&self) -> String {
         about(&self.task, self.on.as_deref())
     }
@@ -88,7 +88,7 @@ impl Missing {
         }
     }
 
-    /// Where a number is missing that is, or is not, in the baseline and in the run.
+    /// Where a number is missing, by whether it is in the baseline and in the run.
     pub(super) fn of(is_there: [bool; 2]) -> Self {
         match is_there {
             [true, _] => Self::InRun,
@@ -111,8 +111,7 @@ impl Sides<'_> {
     ///
     /// # Errors
     ///
-    /// [`RuleProblems`] with all that is wrong: what the file has, names that there are not, rules that decide about
-    /// nothing.
+    /// [`RuleProblems`] with all that is wrong: problems of the file, unknown names, rules that decide about nothing.
     pub(super) fn gated_metrics(&self, tolerances: &Tolerances) -> Result<Vec<GatedMetric>, RuleProblems> {
         let slices = self.slices();
         let mut problems = tolerances.problems.clone();
@@ -130,7 +129,7 @@ impl Sides<'_> {
             }
         }
         let gated = without_gaps(gated);
-        // What is wrong with a rule is why it has no effect.
+        // A rule that has a problem has no effect for that reason.
         let is_sound =
             |it: &RuleProblem| problems.iter().all(|known| known.position.table != it.position.table);
         let void = void_rules(&tolerances.quality, RuleTable::Quality, &gated, str::to_owned);
@@ -155,8 +154,8 @@ impl Sides<'_> {
         gated
     }
 
-    /// Those of `metrics` that `rules` are about, of one subject; what neither side has is left out unless its rule names
-    /// it.
+    /// The numbers of one subject for those `metrics` that `rules` are about; a number that neither side has is left out
+    /// unless its rule names it.
     fn held(
         &self,
         rules: &[Rule],
@@ -200,7 +199,7 @@ impl Sides<'_> {
         slices
     }
 
-    /// Names of the rules that neither side knows.
+    /// Names in the rules that neither side knows.
     fn unknown_names(&self, tolerances: &Tolerances, slices: &BTreeSet<Slice>) -> Vec<RuleProblem> {
         let sides = || [self.before, self.after].into_iter();
         let tasks: BTreeSet<String> = sides().flat_map(Tally::tasks).map(|it| it.name().to_owned()).collect();
@@ -240,7 +239,7 @@ pub(crate) fn judged(tally: &Tally) -> Vec<(String, Option<String>)> {
     names.map(|it| (it.clone(), (pools.len() > 1).then_some(it))).collect()
 }
 
-/// Without those that neither side has on some data sets, but on others: false objects may be known of simulated ones alone.
+/// Drops gaps of numbers that are known on other data sets: false objects may be known of simulated ones alone.
 fn without_gaps(gated: Vec<GatedMetric>) -> Vec<GatedMetric> {
     let is_gap = |it: &GatedMetric| it.difference == Err(Missing::InBoth);
     let key = |it: &GatedMetric| (it.task.clone(), it.detector.clone(), it.slice.clone(), it.metric.clone());
@@ -248,8 +247,8 @@ fn without_gaps(gated: Vec<GatedMetric>) -> Vec<GatedMetric> {
     gated.into_iter().filter(|it| !is_gap(it) || !known.contains(&key(it))).collect()
 }
 
-/// Metrics and parts of `rules` that no number of `gated` was held to: of no part is the metric measured, or an earlier rule
-/// decides.
+/// Metrics and parts of `rules` that no number of `gated` was held to: the metric is measured of no such part, or an earlier
+/// rule decides.
 pub(super) fn void_rules(
     rules: &[Rule],
     table: fn(usize) -> RuleTable,

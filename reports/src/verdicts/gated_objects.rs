@@ -13,7 +13,7 @@ use crate::vocabulary::study::Study;
 ///
 /// # Errors
 ///
-/// [`RuleProblems`] with what the file has, and with its rules that decide about nothing.
+/// [`RuleProblems`] with the problems of the file, and with its rules that decide about nothing.
 pub(super) fn gated_objects(
     [before, after]: [&RunArchive; 2],
     tolerances: &Tolerances,
@@ -30,7 +30,7 @@ pub(super) fn gated_objects(
     });
     let gated: Vec<GatedMetric> = gated.collect();
     let void = void_rules(&tolerances.quality, RuleTable::Quality, &gated, str::to_owned);
-    // Sizes for all steps stand in no line, and are also of what is not judged here.
+    // Sizes for all steps stand in no line, and may cover numbers that are not judged here.
     let void = void.into_iter().filter(|it| it.position.line.is_some());
     RuleProblems::check(tolerances.path(), tolerances.problems.iter().cloned().chain(void))?;
     Ok((gated, blocks))

@@ -34,7 +34,7 @@ pub(super) fn gated_protocols(
             let sides = [before, after].map(|it| ProtocolSide::of(it, protocol, detector, scans));
             let pairs = match &sides {
                 [Some(before), Some(after)] => pairs(before, after, scans),
-                // Whoever is missing on one side has no number there.
+                // A detector that is missing on one side has no number there.
                 [Some(only), None] | [None, Some(only)] => {
                     let is_there = [sides[0].is_some(), sides[1].is_some()];
                     let alone = pairs(only, only, scans).into_iter();
@@ -54,7 +54,7 @@ pub(super) fn gated_protocols(
     Ok(gated)
 }
 
-/// `None` if no rule is about it, it has no better way, or neither side has the number.
+/// The gated number; `None` if no rule is about it, it has no better way, or neither side has the number.
 fn gated_number(
     ProtocolPair { metric, is_there, difference, .. }: &ProtocolPair,
     subject: GatedSubject<'_>,

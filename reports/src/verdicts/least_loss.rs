@@ -1,4 +1,4 @@
-//! Which losses the scans of an accepted run can show, before there is a second run.
+//! Losses that the scans of an accepted run can show, before there is a second run.
 
 use crate::files::fixed_decimals::fixed_decimals;
 use crate::numbers::blocks::BlockCount;
@@ -20,21 +20,21 @@ pub struct LeastLoss {
     pub detector: String,
     /// The F-rate; recall where that is undefined.
     pub metric: Metric,
-    /// What is tolerated, and half of the 95 % interval of the rate: that of a difference is as wide if a change varies from
+    /// The tolerance plus half of the 95 % interval of the rate: that of a difference is as wide if a change varies from
     /// block to block as the rate does.
     pub loss: f64,
 }
 
-/// What losses the scans of a run can show.
+/// The losses that the scans of a run can show.
 #[derive(Debug, Clone, PartialEq)]
 pub enum LeastLosses {
     /// None, however large; these are the blocks of scans.
     NoneIsSure(BlockCount),
-    /// Those above these, task by task and detector by detector.
+    /// Losses above these, task by task and detector by detector.
     Above(Vec<LeastLoss>),
 }
 
-/// What losses the scans of `run` can show where `tolerances` are tolerated.
+/// The losses that the scans of `run` can show under `tolerances`.
 pub fn least_losses(run: &RunArchive, tolerances: &Tolerances) -> LeastLosses {
     let tally = run.tally();
     let draws = tally.draw();

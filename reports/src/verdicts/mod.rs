@@ -1,4 +1,4 @@
-//! What numbers mean: who leads a run, and one run judged by another over the same scans.
+//! The meaning of numbers: how detectors rank in a run, and one run judged by another over the same scans.
 //!
 //! Nothing here looks at a detector's parameters: that they differ is what a comparison is for.
 

@@ -1,4 +1,4 @@
-//! What lies between two numbers that were measured on the same scans, and how surely.
+//! Differences between two numbers that were measured on the same scans, and how sure they are.
 
 use crate::numbers::blocks::{BlockCount, Interval};
 use crate::uncertainty::bootstrap::Distribution;
@@ -8,7 +8,7 @@ use crate::vocabulary::metric::{Direction, Metric};
 /// A number before and after, or of one detector and of another.
 #[derive(Debug, Clone, PartialEq)]
 pub struct PairedDifference {
-    /// What was measured.
+    /// The metric.
     pub metric: Metric,
     /// The number that is compared with.
     pub before: f64,
@@ -21,7 +21,7 @@ pub struct PairedDifference {
     pub least_effect: Option<f64>,
 }
 
-/// What lies between `before` and `after`, samples of the same draws of the same scans.
+/// The difference between `before` and `after`, samples of the same draws of the same scans.
 ///
 /// `None` if the metric is undefined in one of them.
 pub fn paired_difference(before: &Sample, after: &Sample, metric: &Metric) -> Option<PairedDifference> {
@@ -30,13 +30,13 @@ pub fn paired_difference(before: &Sample, after: &Sample, metric: &Metric) -> Op
     Some(PairedDifference::new(metric, values, of_resamples, Some(before.blocks)))
 }
 
-/// `after` - `before`; of times over those of the reference the share by which it is slower.
+/// `after` - `before`; of times over those of the reference, the share by which they are longer.
 fn between(metric: &Metric, before: f64, after: f64) -> f64 {
     if *metric == Metric::TimeRatio { after / before - 1.0 } else { after - before }
 }
 
 impl PairedDifference {
-    /// What lies between two values, and between those of the same draws from `blocks`.
+    /// The difference between two values, with its interval from those of the same draws from `blocks`.
     pub(super) fn new(
         metric: &Metric,
         [before, after]: [f64; 2],

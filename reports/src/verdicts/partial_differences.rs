@@ -1,4 +1,4 @@
-//! What lies between two results of `scanbench partial`, or two methods of one, step by step.
+//! Differences between two results of `scanbench partial`, or between two methods of one, step by step.
 
 use std::collections::BTreeMap;
 
@@ -17,7 +17,7 @@ pub struct CurveName {
     pub direction: String,
     /// The method.
     pub method: String,
-    /// What it was trained on.
+    /// Its training data.
     pub trained_on: String,
 }
 
@@ -26,7 +26,7 @@ pub struct CurveName {
 pub struct PartialDifference {
     /// The objects, and from which end they are seen.
     pub on: String,
-    /// The method, and what it was trained on.
+    /// The method and its training data.
     pub detector: String,
     /// The step, as a part of all that is judged.
     pub slice: String,
@@ -37,7 +37,7 @@ pub struct PartialDifference {
 }
 
 impl CurveName {
-    /// That of the curve which a row belongs to.
+    /// The name of the curve that a row belongs to.
     pub fn of(row: &PartialRow) -> Self {
         let [data, direction, method, trained_on] =
             [&row.data, &row.direction, &row.method, &row.trained_on].map(String::clone);
@@ -49,7 +49,7 @@ impl CurveName {
         format!("{} from {}", self.data, self.direction)
     }
 
-    /// The method, and what it was trained on.
+    /// The method and its training data.
     pub fn detector(&self) -> String {
         format!("{} trained on {}", self.method, self.trained_on)
     }
@@ -80,7 +80,7 @@ pub fn differences_of_results(before: &[PartialRow], after: &[PartialRow]) -> Ve
 ///
 /// # Errors
 ///
-/// In words why they did not see the same parts.
+/// Why they did not see the same parts, in words.
 pub fn differences_of_methods(
     rows: &[PartialRow],
     first: &str,
@@ -129,7 +129,7 @@ fn differences(curve: &CurveName, before: &[&PartialRow], after: &[&PartialRow])
         let (on, detector, slice) = (curve.on(), curve.detector(), format!("step {step}"));
         Some(PartialDifference { on, detector, slice, difference, blocks })
     };
-    // Nothing is rejected, and nothing can be, where all objects are of known classes.
+    // Where all objects are of known classes, nothing can be rejected.
     let has_strangers = draws[0].value(PartialMetric::StrangersRejected, steps.first().copied().unwrap_or(0));
     let metrics = PartialMetric::ALL.into_iter();
     let metrics = metrics.filter(|it| *it == PartialMetric::MeanRecall || has_strangers.is_some());

@@ -1,4 +1,4 @@
-//! What lies between two detectors, or two runs of one, under protocols of others.
+//! Differences between two detectors, or two runs of one, under protocols of others.
 
 use crate::protocols::drawn_scans::DrawnScans;
 use crate::protocols::protocol_number::ProtocolMetric;
@@ -20,16 +20,16 @@ pub struct ProtocolSide {
 pub struct ProtocolPair {
     /// The class.
     pub class: String,
-    /// What was measured.
+    /// The metric.
     pub metric: Metric,
     /// Whether either side has the number: before, after.
     pub is_there: [bool; 2],
-    /// What lies between them; `None` unless both have it.
+    /// The difference; `None` unless both have the number.
     pub difference: Option<PairedDifference>,
 }
 
 impl ProtocolSide {
-    /// Of `detector` under `protocol`, on the draws of `scans`; `None` if it was not evaluated.
+    /// The values of `detector` under `protocol`, on the draws of `scans`; `None` if it was not evaluated.
     pub fn of(rows: &ProtocolTally, protocol: Protocol, detector: &str, scans: &DrawnScans) -> Option<Self> {
         let rows = rows.rows(ProtocolQuestion { protocol, detector }, scans)?;
         Some(Self { metrics: rows.metrics(), drawn: DrawnValues::new(&*rows, scans) })

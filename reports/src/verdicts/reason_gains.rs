@@ -1,4 +1,4 @@
-//! Why a detector is wrong, how often, and what repairing each reason alone would gain.
+//! Reasons why a detector is wrong: how often, and what repairing each alone would gain.
 
 use std::collections::BTreeMap;
 
@@ -102,7 +102,7 @@ fn is_shown(slice: &Slice) -> bool {
     matches!(slice, Slice::All | Slice::Class(_) | Slice::Range(_))
 }
 
-/// What was found, missed and false; nothing is known to be false of a slice that no detection belongs to.
+/// Found, missed and false objects; false ones are unknown in a slice that no false detection belongs to.
 fn counts_of(sample: &Sample) -> Option<Counts> {
     let count = |term| sample.total.of(term) as u64;
     let has_false = sample.false_objects == FalseObjects::Known && sample.slice.has_false_detections();

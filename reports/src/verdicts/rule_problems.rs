@@ -1,15 +1,15 @@
-//! What is wrong with tolerances: all of it at once, and each once.
+//! Problems of tolerances: all of them at once, and each once.
 
 use std::collections::BTreeSet;
 use std::fmt;
 use std::path::PathBuf;
 
-/// Something that is wrong with a file of tolerances.
+/// A problem of a file of tolerances.
 #[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord)]
 pub struct RuleProblem {
-    /// The part of the file that it is about.
+    /// The part of the file that has it.
     pub position: RulePosition,
-    /// What is wrong.
+    /// The problem, in words.
     pub what: String,
 }
 
@@ -25,7 +25,7 @@ pub struct RulePosition {
 /// A table of a file of tolerances.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub enum RuleTable {
-    /// None: what stands outside of the tables that there may be.
+    /// None: the part outside of the known tables.
     Top,
     /// A rule about quality, by its index among them.
     Quality(usize),
@@ -49,17 +49,17 @@ impl fmt::Display for RuleProblem {
     }
 }
 
-/// Everything that is wrong with tolerances.
+/// All problems of tolerances.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 pub struct RuleProblems {
     /// The file; `None` of rules that stand in no file.
     pub path: Option<PathBuf>,
-    /// What is wrong, one problem or more.
+    /// The problems, one or more.
     pub problems: Vec<RuleProblem>,
 }
 
 impl RuleProblems {
-    /// Nothing, or all of `problems` in the order of the file, each once.
+    /// Fails with all of `problems`, if any, in the order of the file, each once.
     ///
     /// # Errors
     ///

@@ -1,9 +1,9 @@
-//! What somebody may have meant by an unknown name.
+//! Suggestions for an unknown name.
 
 /// How similar two names have to be, from 0 to 1, for one to be a typing error of the other.
 const LEAST_LIKENESS: f64 = 0.6;
 
-/// The name of `known` of which `name` may be a slip.
+/// The name of `known` that `name` may be a typing error of.
 pub fn closest<'a>(name: &str, known: impl Iterator<Item = &'a str>) -> Option<&'a str> {
     let likeness = |it: &&str| strsim::normalized_damerau_levenshtein(name, it);
     known.max_by(|a, b| likeness(a).total_cmp(&likeness(b))).filter(|it| likeness(it) >= LEAST_LIKENESS)

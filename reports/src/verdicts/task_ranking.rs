@@ -1,4 +1,4 @@
-//! Who leads, by how much and how surely, and who is faster: a run in a few sentences.
+//! The best detector, its lead and how sure it is, and the fastest detectors: a run in a few sentences.
 
 use crate::files::fixed_decimals::{fixed_decimals, three_digits};
 use crate::numbers::blocks::Interval;
@@ -14,7 +14,7 @@ use crate::vocabulary::origin::Origin;
 use crate::vocabulary::slice::Slice;
 use crate::vocabulary::task::Task;
 
-/// Where the detectors of a run stand in one task, over all its data sets of one origin together.
+/// The ranking of the detectors of a run in one task, over all its data sets of one origin together.
 #[derive(Debug, Clone, PartialEq)]
 pub struct TaskRanking {
     /// The task.
@@ -23,7 +23,7 @@ pub struct TaskRanking {
     pub pool: Pool,
     /// Whether there are data sets of another origin, too, with a ranking of their own.
     pub has_others: bool,
-    /// What they are ordered by: the F-rate or, where false objects cannot be known, recall.
+    /// The metric that they are ordered by: the F-rate or, where false objects cannot be known, recall.
     pub metric: Metric,
     /// The detectors, best first; those of which the metric is undefined are last.
     pub detectors: Vec<RankedDetector>,
@@ -35,7 +35,7 @@ pub struct TaskRanking {
     pub overruled: Vec<String>,
 }
 
-/// What one detector reached.
+/// The score of one detector.
 #[derive(Debug, Clone, PartialEq)]
 pub struct RankedDetector {
     /// Its name.
@@ -53,11 +53,11 @@ pub struct RankedDetector {
 /// How long detectors take for a scan of data sets of one origin.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Speeds {
-    /// Which data sets, where there are others.
+    /// The data sets, where there are others.
     pub on: Option<String>,
     /// Name and median time in milliseconds, the fastest first.
     pub medians_ms: Vec<(String, f64)>,
-    /// The machine was busy, so that they are unreliable.
+    /// Whether the machine was busy, so that they are unreliable.
     pub is_doubted: bool,
 }
 
@@ -137,14 +137,14 @@ pub fn speeds(manifest: &Manifest, report: &RunReport) -> Vec<Speeds> {
 }
 
 impl TaskRanking {
-    /// Who leads, in a sentence. A second sentence is about the detectors that it does not name, and one more about each
-    /// detector that gave no answer to some scans.
+    /// The leading detector, in a sentence. A second sentence is about the detectors that the first does not name, and one
+    /// more about each detector that gave no answer to some scans.
     pub fn sentence(&self) -> String {
         let of_rates = self.sentence_of_rates() + &self.sentence_of_others();
         of_rates + &self.sentence_of_failures() + &self.sentence_of_overruled()
     }
 
-    /// The same without the second sentence, where a table is above it.
+    /// The text of [`Self::sentence`] without its second sentence, where a table is above it.
     pub fn short_sentence(&self) -> String {
         self.sentence_of_rates() + &self.sentence_of_failures() + &self.sentence_of_overruled()
     }
@@ -167,7 +167,7 @@ impl TaskRanking {
         failed.collect()
     }
 
-    /// What those have that are neither first nor second; nothing where nobody has anything.
+    /// The values of the detectors after the first two, and the detectors without a value; empty where no detector has one.
     fn sentence_of_others(&self) -> String {
         let is_defined = |it: &&RankedDetector| it.value.is_some();
         if !self.suspect.is_empty() || !self.detectors.iter().any(|it| is_defined(&it)) {
@@ -183,7 +183,7 @@ impl TaskRanking {
         sentence("Then", others.join(", ")) + &sentence("Undefined", undefined.join(", "))
     }
 
-    /// The task, and which data sets.
+    /// The task, and the data sets.
     fn about(&self) -> String {
         let on = match self.pool.origin {
             _ if self.has_others => format!(" on {}", self.pool.in_words()),
@@ -192,7 +192,7 @@ impl TaskRanking {
         format!("Task {}{on}: ", self.task)
     }
 
-    /// How many each detector has; `None` where these cannot be known.
+    /// The number of false detections of each detector; `None` where these cannot be known.
     fn false_detections(&self) -> Option<String> {
         let counts = self.detectors.iter().map(|it| Some(format!("{} {}", it.detector, it.n_false?)));
         Some(counts.collect::<Option<Vec<_>>>()?.join(", "))
@@ -279,7 +279,7 @@ fn points(difference: f64) -> String {
 }
 
 impl PairedDifference {
-    /// Whether nothing can rest on it.
+    /// Whether nothing can rest on its interval.
     fn decides_nothing(&self) -> bool {
         self.interval.is_none_or(|it| it.blocks.decide_nothing())
     }
@@ -308,7 +308,7 @@ impl RankedDetector {
 const ABOUT_AS_FAST: f64 = 1.05;
 
 impl Speeds {
-    /// How many times faster the fastest detectors are, in a sentence, or why that is not said; `None` if nothing was timed.
+    /// How many times faster the fastest detectors are, in a sentence, or why it is not said; `None` if nothing was timed.
     pub fn sentence(&self) -> Option<String> {
         let ((name, fastest_ms), others) = self.medians_ms.split_first()?;
         let on = self.on.as_ref().map_or_else(String::new, |it| format!("On {it}: "));

@@ -1,4 +1,4 @@
-//! What speaks against the times of a run: a busy machine, and single scans that took long.
+//! Doubts about the times of a run: a busy machine, and single scans that took long.
 
 use crate::files::fixed_decimals::fixed_decimals;
 use crate::numbers::run_report::{RunReport, Subject};
@@ -24,7 +24,7 @@ pub fn share_on_busy_machine(report: &RunReport, dataset: &str, detector: &Detec
     (detector.foreign.is_none() && share < BUSY).then_some(share)
 }
 
-/// The most that speaks against the times of each kind, in sentences; none if nothing does.
+/// The strongest doubt of each kind about the times, in sentences; empty if there is none.
 pub fn times_doubts(manifest: &Manifest, report: &RunReport) -> Vec<String> {
     let mut least_share: Option<(f64, String)> = None;
     let mut longest: Option<(f64, String)> = None;
@@ -66,7 +66,7 @@ mod tests {
     use crate::tables::sample;
     use crate::vocabulary::task::Task;
 
-    /// What is said of a detector with this mean time on processors and this longest time, whose mean and median are 100 ms.
+    /// Doubts about a detector with this mean time on processors and this longest time, whose mean and median are 100 ms.
     fn doubts(cpu_ms: f64, longest_ms: f64) -> Vec<String> {
         let mut manifest = sample::manifest();
         manifest.datasets.truncate(1);

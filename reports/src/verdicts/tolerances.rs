@@ -7,7 +7,7 @@ use crate::vocabulary::metric::Metric;
 use crate::vocabulary::named::named;
 use crate::vocabulary::slice::Slice;
 
-/// What is gated, and how tightly.
+/// The numbers that are gated, and how tightly.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Tolerances {
     /// Where they come from.
@@ -20,7 +20,7 @@ pub struct Tolerances {
     pub speed: Option<Rule>,
     /// The rule about results that changed.
     pub drift: DriftRule,
-    /// What is wrong with the file. A judge refuses it, together with what is wrong for the runs.
+    /// Problems of the file. A judge refuses it, together with the problems for the runs.
     pub problems: Vec<RuleProblem>,
 }
 
@@ -64,7 +64,7 @@ pub struct Rule {
     pub relative: f64,
 }
 
-/// What a number is of that may be gated.
+/// The subject of a number that may be gated.
 #[derive(Debug, Clone, Copy)]
 pub struct GatedSubject<'a> {
     /// Name of the task, or of the protocol.
@@ -100,13 +100,13 @@ impl Tolerances {
 }
 
 impl Rule {
-    /// About the times of all detectors, which may become longer by this share.
+    /// The rule about the times of all detectors, which may become longer by this share.
     pub(super) fn of_times(relative: f64) -> Self {
         let (metrics, parts) = (vec![Metric::TimeRatio.id()], vec![Slice::All.name()]);
         Self { line: None, metrics, parts, tasks: None, detectors: None, absolute: 0.0, relative }
     }
 
-    /// About a metric of all parts, which may become worse by this much in its unit.
+    /// A rule about a metric of all parts, which may become worse by this much in its unit.
     pub(super) fn of_all_parts(metric: &str, absolute: f64) -> Self {
         let (metrics, parts) = (vec![metric.to_owned()], vec!["*".to_owned()]);
         Self { line: None, metrics, parts, tasks: None, detectors: None, absolute, relative: 0.0 }

@@ -1,4 +1,4 @@
-//! A file of tolerances, read to its end whatever is wrong with it.
+//! A file of tolerances, read to its end whatever problems it has.
 
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
@@ -27,7 +27,7 @@ pub enum TolerancesError {
     Read {
         /// The file.
         path: PathBuf,
-        /// What the operating system said.
+        /// The error of the operating system.
         source: std::io::Error,
     },
     /// It is not TOML.
@@ -41,7 +41,7 @@ pub enum TolerancesError {
 }
 
 impl Tolerances {
-    /// Reads tolerances. Whatever is wrong with their rules is among their problems.
+    /// Reads tolerances. The problems of their rules are among [`Self::problems`].
     ///
     /// # Errors
     ///
@@ -87,7 +87,7 @@ fn drift_rule(top: &mut Section<'_>) -> DriftRule {
     name.flatten().and_then(|it| DriftRule::from_name(&it)).unwrap_or(DriftRule::Fail)
 }
 
-/// `None` if it names no protocol; what else is wrong is left out of the rule, and all is one of `problems`.
+/// The rule of a table; `None` if it names no protocol. Wrong fields are left out of it, and all are among `problems`.
 fn protocol_rule(mut section: Section<'_>, problems: &mut Vec<RuleProblem>) -> Option<Rule> {
     section.refuse_missing(&["metrics", "classes"]);
     let protocol = section.text("protocol", |it| unknown("protocol", it, &Protocol::ALL.map(Protocol::name)));
@@ -105,7 +105,7 @@ fn protocol_rule(mut section: Section<'_>, problems: &mut Vec<RuleProblem>) -> O
     Some(Rule { tasks: Some(vec![protocol.name().to_owned()]), ..rule })
 }
 
-/// What is wrong is left out of the rule, and is one of `problems`.
+/// The rule of a table. Wrong fields are left out of it, and are among `problems`.
 fn quality_rule(mut section: Section<'_>, problems: &mut Vec<RuleProblem>) -> Rule {
     section.refuse_missing(&["metrics", "slices"]);
     let metrics = section.names("metrics", metric_problem).unwrap_or_default();
@@ -152,7 +152,7 @@ impl<'a> Section<'a> {
         Self { text, table, line: line_of(text, start), fields: fields.collect(), problems: Vec::new() }
     }
 
-    /// Of a value that is a table.
+    /// The section of a value that is a table.
     fn of_value(text: &'a str, table: RuleTable, value: &'a Spanned<DeValue<'a>>) -> Self {
         Self::new(text, table, value.span().start, value.get_ref().as_table())
     }
@@ -181,7 +181,7 @@ impl<'a> Section<'a> {
         rules.collect()
     }
 
-    /// Of partly seen objects: how much each number may be worse at any step, if anything is said of that.
+    /// Rules for partly seen objects: how much worse each number may be at any step, if the file says so.
     fn sizes_of_all_steps(&mut self) -> Vec<Rule> {
         let metrics = PartialMetric::ALL.map(|it| Metric::Partial(it).id());
         if !metrics.iter().any(|it| self.fields.contains_key(it.as_str())) {
@@ -212,7 +212,7 @@ impl<'a> Section<'a> {
         }
     }
 
-    /// What was `found` in `value`; where there is nothing, it is not the `expected`.
+    /// The value that was `found`; if there is none, notes that `value` is not the `expected`.
     fn expect<T>(&mut self, expected: &str, value: &Spanned<DeValue<'_>>, found: Option<T>) -> Option<T> {
         if found.is_none() {
             let (line, written) = (line_of(self.text, value.span().start), &self.text[value.span()]);
@@ -221,7 +221,7 @@ impl<'a> Section<'a> {
         found
     }
 
-    /// A list of names, each of which `problem` has nothing to say about; `None` if there is none.
+    /// A list of names without a `problem`; `None` if there is no list.
     fn names(&mut self, name: &str, problem: impl Fn(&str) -> Option<String>) -> Option<Vec<String>> {
         let value = self.take(name)?;
         let line = line_of(self.text, value.span().start);
@@ -253,7 +253,7 @@ impl<'a> Section<'a> {
         text.map(str::to_owned)
     }
 
-    /// A number that `problem` has nothing to say about; 0 if there is none.
+    /// A number without a `problem`; 0 if there is none.
     fn size(&mut self, name: &str, problem: impl Fn(f64) -> Option<String>) -> f64 {
         let Some(value) = self.require(name) else { return 0.0 };
         let line = line_of(self.text, value.span().start);
@@ -268,7 +268,7 @@ impl<'a> Section<'a> {
         0.0
     }
 
-    /// All problems, with the fields that are left over: only those that are `known` mean something.
+    /// All problems, with the fields that are left over: only the `known` ones mean something.
     fn finish(mut self, known: &[&str]) -> Vec<RuleProblem> {
         let known: Vec<String> = known.iter().map(|it| (*it).to_owned()).collect();
         for (name, (line, _)) in std::mem::take(&mut self.fields) {
@@ -293,7 +293,7 @@ fn number(value: &DeValue<'_>) -> Option<f64> {
     }
 }
 
-/// That there is no such thing as `what`, if `name` is not known.
+/// The problem that there is no such `what`, if `name` is not known.
 fn unknown(what: &str, name: &str, known: &[&str]) -> Option<String> {
     let names: Vec<String> = known.iter().map(|it| (*it).to_owned()).collect();
     (!known.contains(&name))
@@ -316,7 +316,7 @@ fn metric_problem(id: &str) -> Option<String> {
     }
 }
 
-/// More than the least of the metrics' limits lets everything pass.
+/// The problem of an absolute tolerance: more than the least of the metrics' limits lets everything pass.
 fn absolute_problem(absolute: f64, metrics: &[Metric]) -> Option<String> {
     if !absolute.is_finite() || absolute < 0.0 {
         return Some(format!("absolute = {absolute} is not a tolerance; it must be 0 or more"));
@@ -329,7 +329,7 @@ fn absolute_problem(absolute: f64, metrics: &[Metric]) -> Option<String> {
     })
 }
 
-/// A tolerance that is a share of a number has to be less than all of it.
+/// The problem of a tolerance that is a share of a number: it has to be less than all of it.
 fn share_problem(name: &str, share: f64) -> Option<String> {
     if !share.is_finite() || share < 0.0 {
         Some(format!("{name} = {share} is not a tolerance; it must be 0 or more"))

@@ -1,4 +1,4 @@
-//! What comes of a claim of a paper.
+//! Verdicts on claims of the papers.
 
 use serde::{Deserialize, Serialize};
 

@@ -1,4 +1,4 @@
-//! What objects are: as people annotate them, and as detectors take them.
+//! Classes of objects: of annotations, and of detections.
 
 use crate::vocabulary::named::named;
 

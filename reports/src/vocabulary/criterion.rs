@@ -1,4 +1,4 @@
-//! By what detections are matched with annotations.
+//! Criteria by which detections are matched with annotations.
 
 use crate::vocabulary::named::named;
 

@@ -1,18 +1,18 @@
-//! How much a number covers: one data set or several together.
+//! Extent of a number: one data set or several together.
 
 use crate::vocabulary::origin::Origin;
 
-/// What stands for a data set in numbers about all of them together.
+/// Stands for a data set in numbers about all data sets together.
 pub const OVERALL: &str = "overall";
 
-/// How much a row covers. Recorded and simulated data sets are never put together.
+/// The extent of a row. Recorded and simulated data sets are never put together.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum Extent {
     /// The data set of this id.
     Dataset(String),
     /// All data sets, which are of one origin: counts and times summed, then the ratio.
     Overall,
-    /// The same of all that are of one origin, where there are others.
+    /// All data sets of this origin, summed likewise, where there are others.
     OverallOf(Origin),
 }
 

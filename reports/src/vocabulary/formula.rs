@@ -1,6 +1,6 @@
 //! How metrics are made of sums.
 
-/// What is summed, of which every ratio is made.
+/// A sum; every ratio is made of these.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Term {
     /// NO, the annotations that count.

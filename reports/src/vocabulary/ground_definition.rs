@@ -1,4 +1,4 @@
-//! What others call ground where they judge programs that distinguish ground points from others.
+//! Definitions of ground by which others judge programs that distinguish ground points from others.
 
 use crate::vocabulary::named::named;
 

@@ -1,4 +1,4 @@
-//! What is measured: each metric with its id, its unit and which way is better.
+//! Metrics: each with its id, its unit and which way is better.
 
 use super::formula::{Formula, Term};
 
@@ -140,7 +140,7 @@ pub enum Direction {
 
 const STAGE_PREFIX: &str = "stage_p50_ms/";
 
-/// The name of what detectors are timed in turns with: a plain write of a grid, the least that any grid method has to do.
+/// Name of the reference that detectors are timed in turns with: a plain grid write, the least of any grid method.
 pub const SPEED_REFERENCE: &str = "grid-write";
 
 /// A metric with its id, its unit, which way is better, and how it is made.
@@ -287,7 +287,7 @@ impl Metric {
         METRICS.iter().map(|it| it.0.clone()).filter(is_gated)
     }
 
-    /// What is to be said of a value made of `n`; `None` if nothing is.
+    /// The caveat of a value made of `n`; `None` if there is none.
     ///
     /// Below these numbers of scans it is more than 5 % likely that none of them is slower than the percentile that it
     /// stands for: 0.95^59 and 0.99^299 are just below 0.05.
@@ -319,8 +319,7 @@ impl Formula {
         self.terms().any(|it| it == Term::False)
     }
 
-    /// Whether it can be known of a part of the objects: what is torn apart or run together, and boxes, are of everything
-    /// alone.
+    /// Whether it can be known of a part of the objects: segmentation and boxes are measured of everything alone.
     pub fn is_of_slices(&self) -> bool {
         let is_of_slices = |it| matches!(it, Term::Annotations | Term::Matched | Term::False);
         !matches!(self, Self::NotOfSums) && self.terms().all(is_of_slices)

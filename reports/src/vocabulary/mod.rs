@@ -1,4 +1,4 @@
-//! What numbers are about: the words that rows, numbers, verdicts and tables share.
+//! The words that rows, numbers, verdicts and tables share.
 
 pub mod named;
 pub mod task;

@@ -20,7 +20,7 @@ impl Origin {
         if self == other { self } else { Self::PartlySimulated }
     }
 
-    /// What follows a name: nothing where scans were recorded.
+    /// Text after a name: empty where scans were recorded.
     pub fn in_brackets(self) -> String {
         match self {
             Self::Recorded => String::new(),

@@ -20,10 +20,10 @@ named! {
 }
 
 impl PartialClass {
-    /// Those that are learnt, in the order of [`Self::ALL`].
+    /// The learnt classes, in the order of [`Self::ALL`].
     pub const LEARNT: [Self; 4] = [Self::Tree, Self::Car, Self::Pole, Self::Pedestrian];
 
-    /// What an object is that people annotate as `class`.
+    /// The class of an object that is annotated as `class`.
     pub fn of_annotation(class: AnnotationClass) -> Self {
         match class {
             AnnotationClass::Tree => Self::Tree,

@@ -18,8 +18,8 @@ named! {
     }
 }
 
-/// What the numbers of a protocol are computed from. Protocols of one family share rows, the file of these and the words of
-/// tables.
+/// The input that the numbers of a protocol are computed from. Protocols of one family share rows, the file of these and the
+/// words of tables.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum ProtocolFamily {
     /// Boxes and regions that are left out, as KITTI's object benchmark has them.
@@ -36,11 +36,11 @@ pub enum ProtocolFamily {
 /// of the errors.
 pub const PAIR_DISTANCES_M: [f64; 4] = [0.5, 1.0, 2.0, 4.0];
 
-/// Which of [`PAIR_DISTANCES_M`] errors are measured at.
+/// Index among [`PAIR_DISTANCES_M`] of the distance of errors.
 pub const ERROR_DISTANCE: usize = 2;
 
 impl Protocol {
-    /// What its numbers are computed from.
+    /// The family of its input.
     pub fn family(self) -> ProtocolFamily {
         match self {
             Self::KittiObject => ProtocolFamily::KittiObjects,
@@ -59,7 +59,7 @@ impl Protocol {
         }
     }
 
-    /// That of [`Self::ranked_classes`] with this name; `None` if it is not evaluated.
+    /// The class of [`Self::ranked_classes`] with this name; `None` if it is not evaluated.
     pub fn class_named(self, name: &str) -> Option<&'static str> {
         self.ranked_classes().iter().copied().find(|it| *it == name)
     }
@@ -75,7 +75,7 @@ impl Protocol {
         }
     }
 
-    /// What others published of the same numbers; `None` where nothing is known. `docs/published.md` has more, with sources.
+    /// Published values of these numbers; `None` where nothing is known. `docs/published.md` has more, with sources.
     pub fn published(self) -> Option<&'static str> {
         match self {
             Self::KittiObject => Some(
@@ -100,7 +100,7 @@ impl ProtocolFamily {
         matches!(self, Self::KittiObjects | Self::RankedBoxes)
     }
 
-    /// What its numbers are made of.
+    /// The things that its numbers are made of.
     pub fn counted(self) -> &'static str {
         match self {
             Self::KittiObjects | Self::RankedBoxes => "annotations that count",
@@ -109,7 +109,7 @@ impl ProtocolFamily {
         }
     }
 
-    /// What has to be said of its numbers.
+    /// The remark that its numbers need.
     pub fn remark(self) -> &'static str {
         match self {
             Self::KittiObjects | Self::RankedBoxes => {

@@ -8,7 +8,7 @@ pub const MOST_SHARDS: u32 = 1_000_000;
 
 /// One of several parts, counted from 1: `3/8` is the third of eight.
 ///
-/// There is no part 0, so that whoever counts from 0 gets an error at once.
+/// There is no part 0, so that counting from 0 gives an error at once.
 ///
 /// ```
 /// use reports::vocabulary::shard::Shard;

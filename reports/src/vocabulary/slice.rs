@@ -41,7 +41,7 @@ pub enum Slice {
     Tall,
 }
 
-/// There is no slice of a name.
+/// There is no slice of this name.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 #[error("unknown slice {0:?}")]
 pub struct UnknownSlice(String);
@@ -83,12 +83,12 @@ impl Slice {
             .find(|it| it.name() == name)
     }
 
-    /// The slice of what is `range_m` away; `None` if that is not a number.
+    /// The slice of objects that are `range_m` away; `None` if that is not a number.
     pub fn of_range(range_m: f64) -> Option<Self> {
         RANGES_M.iter().position(|&(_, end_m)| range_m < end_m).map(Self::Range)
     }
 
-    /// The slice of what has `n_points` points.
+    /// The slice of objects with `n_points` points.
     pub fn of_points(n_points: u64) -> Self {
         let bin = POINTS.iter().position(|&(_, end)| n_points < end);
         Self::Points(bin.unwrap_or(POINTS.len() - 1))
@@ -101,7 +101,7 @@ impl Slice {
         *self == Self::All || formula.is_of_slices() && is_of_slice()
     }
 
-    /// Whether it is known of a false detection if it belongs here, so that precision and F-rate mean something.
+    /// Whether it is known which false detections belong here, so that precision and F-rate mean something.
     pub fn has_false_detections(&self) -> bool {
         matches!(self, Self::All | Self::Range(_) | Self::Points(_))
     }

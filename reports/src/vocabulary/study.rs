@@ -1,4 +1,4 @@
-//! Which verb a result is of.
+//! The verbs that make results.
 
 use crate::vocabulary::named::named;
 
@@ -23,7 +23,7 @@ named! {
 }
 
 impl Study {
-    /// Whether its directory is called after the data sets, unless it is named: not of those that put up what they look at.
+    /// Whether its directory is called after the data sets, unless it is named: not that of a verb that makes its own data.
     pub fn is_called_after_data(self) -> bool {
         !matches!(self, Self::Robustness | Self::Partial | Self::Gaps)
     }

@@ -1,4 +1,4 @@
-//! What detectors are asked to do.
+//! The tasks of detectors.
 
 use crate::vocabulary::named::named;
 

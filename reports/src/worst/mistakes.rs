@@ -7,27 +7,27 @@ use crate::rows::match_row::MatchRow;
 use crate::vocabulary::reason::MistakeKind;
 use crate::vocabulary::task::Task;
 
-/// Which mistakes are asked for.
+/// The mistakes that are asked for.
 #[derive(Debug, Clone, Copy)]
 pub struct MistakeChoice<'a> {
-    /// Whose.
+    /// The detector.
     pub detector: &'a str,
-    /// At which task.
+    /// The task.
     pub task: Task,
-    /// Of which kind; both if not given.
+    /// The kind; both if not given.
     pub kind: Option<MistakeKind>,
-    /// What is annotated so, or was taken for it.
+    /// The class of the annotation, or of the detection; any if not given.
     pub class: Option<&'a str>,
 }
 
 /// A mistake, by what the sensor saw of it.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ListedMistake<'a> {
-    /// Where it is.
+    /// Its row.
     pub row: &'a MatchRow,
-    /// What it is.
+    /// Its kind.
     pub kind: MistakeKind,
-    /// Annotated class, or what it was taken for.
+    /// The annotated class, or the class it was taken for.
     pub class: &'static str,
     /// Why.
     pub reason: &'static str,
@@ -37,8 +37,8 @@ pub struct ListedMistake<'a> {
     pub position_m: Option<[f32; 2]>,
 }
 
-/// The `most` mistakes of `rows` with the most points, in the order of the rows where these are equal: what was seen best is
-/// worst.
+/// The `most` mistakes of `rows` with the most points, in the order of the rows where these are equal: the better an object
+/// was seen, the worse is the mistake.
 pub fn worst<'a>(rows: &'a [MatchRow], choice: &MistakeChoice<'_>, most: usize) -> Vec<ListedMistake<'a>> {
     let asked = rows.iter().filter(|row| row.detector == choice.detector && row.task == choice.task);
     let mut listed: Vec<ListedMistake<'a>> = asked

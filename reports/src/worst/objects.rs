@@ -1,4 +1,4 @@
-//! The worst mistakes of every detector and its best matches, gathered row by row, each object once: what a page shows from
+//! The worst mistakes of every detector and its best matches, gathered row by row, each object once: a page shows them from
 //! above.
 
 use std::collections::BTreeMap;
@@ -12,20 +12,20 @@ use crate::vocabulary::task::Task;
 const SCANS_PER_SECOND: u32 = 10;
 /// Mistakes of a kind that are kept for each detector and task.
 const MOST_OF_A_KIND: usize = 4;
-/// The same of matches.
+/// Matches that are kept for each detector and task.
 const MOST_MATCHES: usize = 2;
 /// Half the side of the smallest window around an object, in metres, and of the widest.
 const HALF_WINDOW_M: [f32; 2] = [5.0, 12.0];
-/// What is seen around an object, in metres.
+/// Margin that a window has around an object, in metres.
 const SURROUNDINGS_M: f32 = 2.5;
 
-/// The worst mistakes and the best matches so far, with something about each object.
+/// The worst mistakes and the best matches so far, each with a value that the caller keeps.
 #[derive(Debug, Clone)]
 pub struct WorstObjects<T> {
     lists: BTreeMap<MistakeList, Vec<WorstObject<T>>>,
 }
 
-/// Whose mistakes or matches, at what, and of which kind.
+/// The name of a list of mistakes or matches: task, detector and kind.
 #[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord)]
 pub struct MistakeList {
     /// The task.
@@ -54,7 +54,7 @@ pub struct ObjectName {
 }
 
 impl ObjectName {
-    /// The object that `row` calls a mistake or a match; `None` if it calls none so.
+    /// The object of `row` if it is a mistake or a match, else `None`.
     pub fn shown_of(row: &MatchRow) -> Option<Self> {
         let (detector, id) = match &row.outcome {
             MatchOutcome::Missed { annotation, .. } | MatchOutcome::Matched { annotation, .. } => {
@@ -76,9 +76,9 @@ impl ObjectName {
 /// A mistake or a match with a position.
 #[derive(Debug, Clone, PartialEq)]
 pub struct WorstObject<T> {
-    /// Which object.
+    /// The object.
     pub object: ObjectName,
-    /// What it is, or was taken for.
+    /// The annotated class, or the class it was taken for.
     pub class: &'static str,
     /// Why it is a mistake, or that it is none.
     pub reason: &'static str,
@@ -86,13 +86,13 @@ pub struct WorstObject<T> {
     pub n_points: u64,
     /// Where it is; without extent, at the centroid of its points, where no box is labelled.
     pub bounding_box: BoxFacts,
-    /// What is shown of it.
+    /// The square that is shown around it.
     pub window: PlanWindow,
     /// Higher comes first: how close a match is, and then the number of points.
     rank: (i64, u64),
     /// The object within its drive, where that is known.
     track: Option<u32>,
-    /// What the caller keeps with it.
+    /// The value that the caller keeps with it.
     pub kept: T,
 }
 
@@ -106,7 +106,7 @@ pub struct PlanWindow {
 }
 
 impl PlanWindow {
-    /// Around a box.
+    /// The window around a box.
     fn around(bounding_box: &BoxFacts) -> Self {
         let [x_m, y_m, _] = bounding_box.center_m;
         let [length_m, width_m, _] = bounding_box.length_width_height_m;
@@ -127,8 +127,8 @@ impl<T> Default for WorstObjects<T> {
 }
 
 impl<T> WorstObjects<T> {
-    /// Takes `row` in if it is a mistake with a position and worse than what is there: seen by more points; or a closer
-    /// match. `kept` is asked only then.
+    /// Adds `row` if it is a mistake with a position and worse than those in the list, which is seen by more points; or a
+    /// closer match. `kept` is called only then.
     pub fn add(&mut self, row: &MatchRow, kept: impl FnOnce(&PlanWindow) -> T) {
         let annotated = |it: &AnnotationFacts| (it.class.name(), it.n_points, subject_of(it), it.track);
         let (kind, (class, n_points, bounding_box, track), reason, closeness) = match &row.outcome {

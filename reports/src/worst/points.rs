@@ -11,10 +11,10 @@ use crate::worst::objects::ObjectName;
 
 /// Side of a cell in metres.
 pub const PLAN_CELL_M: f32 = 0.1;
-/// What is higher than this above the road under the sensor stands on it, in metres.
+/// Points higher than this above the road under the sensor stand on it, in metres.
 pub const RAISED_M: f32 = 0.4;
 
-/// What was seen around the worst mistakes of a run.
+/// Cells around the worst mistakes of a run.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct WorstPoints {
@@ -24,13 +24,13 @@ pub struct WorstPoints {
     pub patches: Vec<Patch>,
 }
 
-/// What was seen around one object.
+/// Cells around one object.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Patch {
-    /// Around which.
+    /// The object.
     pub object: ObjectName,
-    /// Where.
+    /// The cells.
     pub cells: PlanCells,
 }
 

@@ -31,7 +31,7 @@ pub struct RecordedObject {
 }
 
 impl Recordings {
-    /// Of these objects.
+    /// The recordings of these objects.
     pub fn new(places: Vec<RecordedObject>) -> Self {
         Self { schema: SCHEMA, places }
     }

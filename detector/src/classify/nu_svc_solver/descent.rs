@@ -21,9 +21,9 @@ struct Pair {
     curvature: f64,
 }
 
-/// What one class looks like before a step.
+/// State of one class before a step.
 struct ClassState {
-    /// Least gradient of what can be raised, greatest of what can be lowered.
+    /// Least gradient of the multipliers that can be raised, greatest of those that can be lowered.
     ends: [f64; 2],
     best: Option<Pair>,
 }
@@ -104,7 +104,7 @@ impl<'a, const D: usize> Problem<'a, D> {
             }
         }
         let Some(raised) = raised else {
-            // All are at their bound: the class has no freedom, and its end is the greatest gradient.
+            // All are at their bound: no multiplier of the class can be raised, and its end is the greatest gradient.
             let top = class.map(|it| self.gradient[it]).fold(f64::NEG_INFINITY, f64::max);
             return ClassState { ends: [top, top], best: None };
         };
@@ -146,7 +146,7 @@ impl<'a, const D: usize> Problem<'a, D> {
         }
     }
 
-    /// The gradient at the margin of a class: the mean over free support vectors, else the middle of what is possible.
+    /// The gradient at the margin of a class: the mean over free support vectors, else the middle of the possible range.
     fn level(&self, class: std::ops::Range<usize>) -> f64 {
         let (mut sum, mut n_free) = (0.0, 0);
         let mut bounds = [f64::NEG_INFINITY, f64::INFINITY];

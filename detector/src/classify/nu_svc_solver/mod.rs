@@ -12,19 +12,19 @@ pub struct NuSvcParams {
     pub gamma: f32,
     /// Upper bound of the share of vectors inside the margin, lower bound of the share of support vectors.
     pub nu: f64,
-    /// How far from its end training may stop.
+    /// Distance from the optimum at which training may stop.
     pub tolerance: Tolerance,
     /// Steps after which training gives up.
     pub max_steps: usize,
 }
 
-/// How far from its end training may stop.
+/// Distance from the optimum at which training may stop.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Tolerance {
-    /// Decision values are so far from where they should be; the margin is 1.
+    /// Decision values may be so far off; the margin is 1.
     OfMargin(f64),
-    /// The gradients of the dual problem are, as the libraries have it; the kernel is at most 1. With small ν and noise this
-    /// is long before the least objective.
+    /// The gradients of the dual problem may be so far off, as in the libraries; the kernel is at most 1. With small ν and
+    /// noise this is reached long before the least objective.
     OfGradients(f64),
 }
 

@@ -51,7 +51,7 @@ mod tests {
         check(&boxed([0.0; 3], size, 180.0), 1.0, 1.0);
         // Half of each: 4 of 12 square metres.
         check(&boxed([2.0, 0.0, 0.0], size, 0.0), 1.0 / 3.0, 1.0 / 3.0);
-        // The same ground plan, half the height: 8 of 24 cubic metres.
+        // Equal ground plans, shifted by half the height: 8 of 24 cubic metres.
         check(&boxed([0.0, 0.0, 1.0], size, 0.0), 1.0, 1.0 / 3.0);
         // A cross: 4 of 12.
         check(&boxed([0.0; 3], size, 90.0), 1.0 / 3.0, 1.0 / 3.0);
@@ -78,7 +78,7 @@ mod tests {
         }
     }
 
-    /// Share of a fine grid over both boxes that is in both, of what is in either.
+    /// Number of points of a fine grid inside both boxes, divided by the number inside either.
     fn by_counting(first: &OrientedBox, second: &OrientedBox) -> f64 {
         let (mut common, mut either) = (0_u32, 0_u32);
         for step in 0..160_000 {

@@ -1,4 +1,4 @@
-//! When a detection is good enough for an annotation, and what it costs.
+//! When a detection is good enough for an annotation, and the cost of the pair.
 
 use detector::{Detections, OrientedBox};
 use reports::vocabulary::criterion::CriterionKind;
@@ -8,7 +8,7 @@ use crate::matching::box_overlap::{bev_iou, iou_3d};
 use crate::matching::hungarian::AdmissiblePair;
 use crate::matching::point_overlap::PointOverlap;
 
-/// What makes a pair admissible, and what it costs.
+/// Rule that makes a pair admissible and gives it a cost.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Criterion {
     /// Intersection over union of the point sets is at least `min_iou`; costs 1 − IoU. Judges what the sensor saw.
@@ -53,7 +53,7 @@ impl Criterion {
         self.kind().name()
     }
 
-    /// What is compared, without the gate.
+    /// The measure that is compared, without the gate.
     pub fn kind(self) -> CriterionKind {
         match self {
             Self::Points { .. } => CriterionKind::Points,
@@ -140,7 +140,7 @@ fn pairs_by_centre(scan: &LabeledScan, detections: &Detections, max_distance_m: 
     for (annotation_idx, annotation) in scan.annotations.iter().enumerate() {
         let Some(at_m) = annotation.center_m(&scan.cloud).map(plan_m) else { continue };
         for (detection_idx, center_m) in centers_m.iter().enumerate() {
-            // Most are far away, which is decided without a root. A little farther, so that rounding never loses a pair.
+            // Most are far apart; this is decided without a root. A little farther, so that rounding never loses a pair.
             if is_apart(at_m, *center_m, 1.001 * max_distance_m) {
                 continue;
             }
@@ -194,7 +194,7 @@ mod tests {
     }
 
     proptest! {
-        /// What is left out because it is far away is not admissible.
+        /// Pairs that are skipped because they are far apart are not admissible.
         #[test]
         fn pairs_are_those_that_asking_every_pair_finds(annotations in boxes(), detections in boxes()) {
             let (scan, all) = scene(&annotations, &detections);

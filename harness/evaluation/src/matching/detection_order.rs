@@ -4,11 +4,10 @@ use std::cmp::Ordering;
 
 use detector::{Detection, Detections};
 
-/// For every detection its rank: those with higher scores first, then those with more points, then by points, box and class.
-/// Those without a score come last. Detections that are alike in all of this have ranks in the order of their indices: they
-/// are interchangeable.
+/// Rank of every detection: higher scores first, then more points, then by points, box and class. Detections without a score
+/// come last. Detections that are equal in all of this are ranked in the order of their indices: they are interchangeable.
 ///
-/// Ties between detections are broken by this rank, so that nothing that is counted depends on the order of a list.
+/// Ties between detections are broken by this rank, so that no count depends on the order of a list.
 pub fn detection_ranks(detections: &Detections) -> Vec<usize> {
     let mut by_rank: Vec<usize> = (0..detections.len()).collect();
     by_rank.sort_by(|&a, &b| order(&detections.get(a), &detections.get(b)));

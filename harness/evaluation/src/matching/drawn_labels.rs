@@ -15,12 +15,12 @@ use super::eligibility::EligibilityParams;
 pub(crate) const UNIT: OrientedBox =
     OrientedBox { center_m: [0.0; 3], length_width_height_m: [1.0; 3], yaw_rad: 0.0 };
 
-/// What is large enough and near enough counts, as usual.
+/// Matching by `criterion`, with the standard eligibility.
 pub(crate) const fn standard(criterion: Criterion) -> MatchingParams {
     MatchingParams { criterion, eligibility: EligibilityParams::STANDARD }
 }
 
-/// An annotation of which no more is known.
+/// An annotation with nothing else known.
 pub(crate) fn annotation(
     class: AnnotationClass,
     bounding_box: Option<OrientedBox>,
@@ -39,12 +39,12 @@ pub(crate) fn labeled(
     LabeledScan::everywhere(id, positions_m.into_iter().collect(), annotations.into_iter().collect())
 }
 
-/// So many points along x, 10 cm apart.
+/// `n_points` positions along x, 10 cm apart.
 pub(crate) fn row(n_points: u32) -> impl Iterator<Item = [f32; 3]> {
     (0..n_points).map(|step| [step as f32 * 0.1, 0.0, 0.0])
 }
 
-/// Of 1 m, around the middle of a part of a row.
+/// A cube of 1 m around the middle of a part of a row.
 pub(crate) fn box_in_row(part: &Range<u32>) -> OrientedBox {
     OrientedBox { center_m: [(part.start + part.end - 1) as f32 * 0.05, 0.0, 0.0], ..UNIT }
 }
@@ -66,8 +66,8 @@ pub(crate) fn detections_in_row(parts: &[(DetectedClass, Range<u32>)], score: Op
     detections
 }
 
-/// The scan of a drawing of annotations, and what a drawing of detections finds in it: so many points for each letter, all
-/// of the same letter are one object, and a dot is no object.
+/// Scan of a drawing of annotations, and the detections of another drawing: each letter stands for `n_per_letter` points,
+/// all points of one letter are one object, and a dot is no object.
 pub(crate) fn drawn_in_letters(
     n_per_letter: usize,
     class: AnnotationClass,

@@ -1,4 +1,4 @@
-//! What counts, and what is neither right nor wrong.
+//! Which annotations count, and which are neither right nor wrong.
 
 use detector::DetectedClass;
 use reports::vocabulary::class::AnnotationClass;
@@ -10,13 +10,14 @@ use crate::matching::criterion::Criterion;
 use crate::matching::height_above_ground::heights_above_ground_m;
 use crate::matching::outcome::AnnotationOutcome;
 
-/// In the task *objects* what reaches higher above the ground is tall, unless it is a vehicle, in metres.
+/// In the task *objects* an annotation that reaches higher above the ground than this is tall, in metres; see
+/// [`may_be_tall`].
 ///
 /// Paper: HG, whose objects are short street objects, as vehicles, pedestrians and mail boxes; signs, walls and lamp posts
 /// are tall, from 3.10 m on (section 3.1).
 pub const TALL_ABOVE_GROUND_M: f64 = 3.10;
 
-/// Which annotations are too poor to be judged. The same for every detector.
+/// Which annotations are too poor to be judged. Every detector is judged by the same.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct EligibilityParams {
     /// Annotations with fewer points are ignored.
@@ -33,7 +34,7 @@ impl EligibilityParams {
         Self { min_points: 20, max_range_m: 80.0, tall_above_ground_m: TALL_ABOVE_GROUND_M };
 }
 
-/// What `task` makes of a class.
+/// Role of a class in a task.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Role {
     /// To be found.
@@ -60,7 +61,7 @@ pub fn counts_as_vehicle(class: AnnotationClass) -> bool {
     role(Task::Vehicles, class) == Role::Target
 }
 
-/// Whether it cannot be said of this class if it is to be found in the task *vehicles*.
+/// Whether annotations of this class may or may not be vehicles, so that the task *vehicles* ignores them.
 pub fn may_be_vehicle(class: AnnotationClass) -> bool {
     role(Task::Vehicles, class) == Role::Ambiguous
 }
@@ -94,11 +95,11 @@ pub fn asks_for(task: Task, class: DetectedClass) -> bool {
     }
 }
 
-/// For every annotation of `scan` why it takes no part in the matching; `None` if it does.
+/// For every annotation of `scan` why it is excluded from the matching; `None` if it is not.
 ///
 /// Of several reasons the first counts: too few points, beyond the range, unscorable, without a box where `criterion` needs
-/// one, tall. So what is tall would count but for its height. A labelled object counts wherever its points lie, also outside
-/// the labelled region.
+/// one, tall. So a tall annotation would count but for its height. A labelled object counts wherever its points lie, also
+/// outside the labelled region.
 pub fn exclusions(
     scan: &LabeledScan,
     task: Task,
@@ -154,7 +155,7 @@ fn without_box(annotation: &Annotation, criterion: Criterion) -> Option<Annotati
     is_unboxed.then_some(AnnotationOutcome::Ignored(IgnoredAnnotation::NoBox))
 }
 
-/// How many points of `annotation` lie in such a region.
+/// Number of points of `annotation` that lie in a region of this kind.
 pub fn n_points_in(scan: &LabeledScan, annotation: &Annotation, region: PointRegion) -> usize {
     let is_there = |point_idx: &&u32| scan.point_regions[**point_idx as usize] == region;
     annotation.point_indices.iter().filter(is_there).count()

@@ -1,4 +1,4 @@
-//! Which of several equally good choices of pairs is taken.
+//! The first of several equally good choices of pairs.
 
 use std::collections::VecDeque;
 
@@ -9,7 +9,7 @@ pub struct RewardedPair {
     pub annotation: usize,
     /// Number of the detection.
     pub detection: usize,
-    /// What it is worth: more than 0.
+    /// Reward of choosing the pair: more than 0.
     pub reward: i64,
 }
 
@@ -17,9 +17,9 @@ pub struct RewardedPair {
 /// annotation 1, and so on. `pairs` are in the order of annotations, then detections; `best` and the result are indices in
 /// `pairs`; `best` is any choice of the greatest reward.
 ///
-/// A choice is a flow through annotations and detections. Whatever is as good differs from it by cycles that cost nothing in
-/// the residual network, which consist of edges without reduced cost alone. So each pair that could come first is tried by
-/// looking for such a cycle through it. Ahuja, Magnanti, Orlin: Network Flows, 1993, sections 9.3 and 12.4.
+/// A choice is a flow through annotations and detections. Any equally good choice differs from it by cycles of the residual
+/// network that cost nothing; these consist only of edges without reduced cost. So each pair that could come first is tried
+/// by looking for such a cycle through it. Ahuja, Magnanti, Orlin: Network Flows, 1993, sections 9.3 and 12.4.
 pub fn first_of_ties(pairs: &[RewardedPair], best: &[usize]) -> Vec<usize> {
     let mut choice = Choice::new(pairs, best);
     let mut chosen = Vec::with_capacity(best.len());
@@ -34,19 +34,19 @@ pub fn first_of_ties(pairs: &[RewardedPair], best: &[usize]) -> Vec<usize> {
     chosen
 }
 
-/// A choice of the greatest reward. Its nodes are the annotations, then the detections, then the node that what is not
-/// matched is joined to, from both sides.
+/// A choice of the greatest reward. Its nodes are the annotations, then the detections, then a node to which the unmatched
+/// annotations and detections are joined.
 struct Choice<'a> {
     pairs: &'a [RewardedPair],
     // Pairs of annotation `it` are `pairs[begins[it]..begins[it + 1]]`.
     begins: Vec<usize>,
     n_annotations: usize,
     n_detections: usize,
-    // For each annotation and detection the pair it is matched in.
+    // For each annotation and detection its pair in the choice.
     pair_of_node: Vec<Option<usize>>,
     // Invariant: no edge of the residual network has a negative reduced cost.
     potentials: Vec<i64>,
-    // What is closed is decided.
+    // False for nodes that are decided.
     is_open: Vec<bool>,
 }
 
@@ -56,7 +56,7 @@ struct Edge {
     from: usize,
     to: usize,
     cost: i64,
-    // The pair that is taken in, or given up.
+    // The pair that enters the choice, or leaves it.
     pair_idx: Option<usize>,
 }
 
@@ -149,7 +149,7 @@ impl<'a> Choice<'a> {
         self.potentials[edge.from] + edge.cost == self.potentials[edge.to]
     }
 
-    /// Whether an equally good choice holds the pair and leaves alone what is decided; makes it that choice if so.
+    /// Whether an equally good choice holds the pair and keeps all decided nodes; changes to that choice if so.
     fn can_be_made_to_hold(&mut self, pair_idx: usize) -> bool {
         let edge = self.taking_in(pair_idx);
         if !self.is_open[edge.to] {
@@ -167,7 +167,8 @@ impl<'a> Choice<'a> {
         true
     }
 
-    /// Edges without reduced cost through open nodes that lead from one node to another, in any order.
+    /// A path from one node to another through open nodes, of edges without reduced cost, in any order. `None` if there is
+    /// none.
     fn free_path(&self, from: usize, to: usize) -> Option<Vec<Edge>> {
         let mut edge_to: Vec<Option<Edge>> = vec![None; self.potentials.len()];
         let mut front = VecDeque::from([from]);

@@ -9,7 +9,7 @@ use scans::annotation::{Annotation, LabeledScan, range_m};
 /// The ground around an object is looked for up to this distance from its footprint, in metres.
 const REACH_M: f32 = 2.0;
 
-/// Of the points on one side of an object, this share lies below what counts as the ground there.
+/// Share of the points on one side of an object that lies below the ground on this side.
 const LOW_QUANTILE: f64 = 0.25;
 
 /// A side of an object with fewer points says nothing about the ground.
@@ -22,11 +22,11 @@ const MIN_RANGE_OF_EDGE_M: f64 = 20.0;
 /// The upper edge of the field of view is the elevation that this many points reach: stray points are fewer.
 const N_POINTS_AT_EDGE: usize = 20;
 
-/// What ends less than this below the upper edge of the field of view is cut off by it, in degrees.
+/// An object that ends less than this below the upper edge of the field of view is cut off by it, in degrees.
 const EDGE_MARGIN_DEG: f64 = 0.8;
 
-/// How far each of the annotations `annotation_idxs` of `scan` reaches above the ground around it, in metres. `None` if it
-/// has neither box nor points; infinite if the sensor does not see how far.
+/// Height that each of the annotations `annotation_idxs` of `scan` reaches above the ground around it, in metres. `None` if
+/// it has neither box nor points; infinite if the sensor does not see its top.
 ///
 /// The top is that of the box or, without a box, the highest labelled point. A pole or tree without a box whose highest
 /// point lies within 0.8° of the upper edge of what the sensor sees goes on above it: infinite. That edge is the elevation,
@@ -60,7 +60,7 @@ pub fn heights_above_ground_m(scan: &LabeledScan, annotation_idxs: &[usize]) -> 
     extents.into_iter().map(height_m).collect()
 }
 
-/// Where an annotation begins and ends.
+/// Extent of an annotation.
 #[derive(Debug, Clone, Copy)]
 struct Extent {
     footprint: Footprint,
@@ -112,7 +112,7 @@ struct Footprint {
     center_m: [f32; 2],
     /// Half its length and width.
     half_m: [f32; 2],
-    /// Of its heading.
+    /// Sine and cosine of its heading.
     sin_cos: (f32, f32),
 }
 
@@ -127,7 +127,7 @@ impl Footprint {
         (apart_m <= REACH_M).then(|| 2 * usize::from(along_m < 0.0) + usize::from(across_m < 0.0))
     }
 
-    /// Lower and upper corner of what is near it.
+    /// Lower and upper corner of the area near it.
     fn surroundings_m(&self) -> [[f32; 2]; 2] {
         // A little larger than half the diagonal, so that rounding loses nothing.
         let reach_m = 1.001 * self.half_m[0].hypot(self.half_m[1]) + REACH_M + 1e-3;
@@ -179,7 +179,7 @@ const MAX_CELLS: usize = 256;
 /// Their least side, in metres.
 const MIN_CELL_M: f32 = 4.0;
 
-/// For every cell of the ground plan the footprints that a position in it may be near to.
+/// For every cell of the ground plan the footprints that may be near a position in it.
 struct NearFootprints {
     origin_m: [f32; 2],
     cell_m: f32,
@@ -213,7 +213,7 @@ impl NearFootprints {
     }
 
     fn at(&self, x_m: f32, y_m: f32) -> &[u32] {
-        // What lies outside is in a cell at the border, whose footprints are asked how far away they are.
+        // Positions outside fall into a cell at the border; the distance to its footprints is checked afterwards.
         &self.of_cell[self.cell(1, y_m) * self.n_cells[0] + self.cell(0, x_m)]
     }
 }
@@ -236,7 +236,7 @@ mod tests {
 
     use AnnotationClass::{Pole, StreetFurniture, Tree};
 
-    /// Ground of a given shape around 10 m ahead, a point every 20 cm, and whatever is put on it.
+    /// Ground of a given shape around 10 m ahead, a point every 20 cm, and the objects put on it.
     struct Drawing {
         cloud: PointCloud,
         annotations: Vec<Annotation>,
@@ -396,7 +396,7 @@ mod tests {
     }
 
     proptest! {
-        /// The cells are only faster than asking every footprint.
+        /// The cells give the same as checking every footprint, only faster.
         #[test]
         fn no_position_near_a_footprint_is_lost(
             positions in prop::collection::vec(

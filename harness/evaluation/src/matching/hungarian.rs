@@ -12,7 +12,7 @@ pub struct AdmissiblePair {
     pub annotation_idx: usize,
     /// Index of the detection.
     pub detection_idx: usize,
-    /// What matching them costs: finite and not negative.
+    /// Cost of matching them: finite and not negative.
     pub cost: f64,
 }
 
@@ -23,7 +23,7 @@ const COST_STEP: f64 = 1e-6;
 /// total cost; of those the one in which annotation 0 has the first detection it can have, then annotation 1, and so on.
 /// Returned in the order of the annotations. The order of `pairs` does not matter.
 ///
-/// What is not in `pairs` cannot be matched: the gate is inside, and not a filter afterwards.
+/// Only members of `pairs` can be matched: the gate is part of the optimization, not a filter afterwards.
 ///
 /// Paper: HG section 5, reference 10 (Hungarian method).
 pub fn match_pairs(pairs: &[AdmissiblePair]) -> Vec<AdmissiblePair> {
@@ -70,10 +70,10 @@ fn groups_that_compete(pairs: &[AdmissiblePair]) -> Vec<Vec<AdmissiblePair>> {
     groups
 }
 
-/// Of each annotation of a group the pairs that cost least, as many as the group has annotations; by indices again.
+/// The cheapest pairs of each annotation of a group, as many as the group has annotations; sorted by indices again.
 ///
-/// The best choice holds no other: were an annotation matched by one, the other annotations would leave at least one of its
-/// cheapest free, which costs less, or as much with an earlier detection.
+/// The best choice holds no other pair: were an annotation matched by one, the other annotations would leave at least one of
+/// its cheapest pairs free, which costs less, or as much with an earlier detection.
 fn cheapest_of_each(group: &[AdmissiblePair]) -> Vec<AdmissiblePair> {
     let of_annotations: Vec<&[AdmissiblePair]> =
         group.chunk_by(|a, b| a.annotation_idx == b.annotation_idx).collect();

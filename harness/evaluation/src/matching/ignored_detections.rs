@@ -1,4 +1,4 @@
-//! Which detections are neither right nor false where they match nothing.
+//! Which unmatched detections are ignored: neither right nor false.
 
 use std::cell::OnceCell;
 
@@ -17,7 +17,7 @@ pub struct UnjudgedPositions<'a> {
     // For every point whether it is on an ignored annotation.
     is_on_ignored: Vec<bool>,
     ignored_boxes: Vec<OrientedBox>,
-    // Asked for by detections without points alone.
+    // Needed only for detections without points.
     labeled_positions: OnceCell<LabeledPositions>,
 }
 
@@ -42,7 +42,7 @@ impl<'a> UnjudgedPositions<'a> {
         Self { scan, max_range_m: params.max_range_m, is_on_ignored, ignored_boxes, labeled_positions }
     }
 
-    /// Why `detection`, which matches nothing, is neither right nor false; `None` if it is false for all that is labelled.
+    /// Why `detection`, which matches nothing, is neither right nor false; `None` if the labels give no reason.
     ///
     /// One with points is ignored if at least half of them are on ignored annotations, outside the labelled region,
     /// unscorable or beyond the range. One without is ignored if the centre of its box, on the ground plan, is inside the
@@ -100,7 +100,7 @@ fn is_within(bounding_box: &OrientedBox, [x_m, y_m, _]: [f32; 3]) -> bool {
     let [box_x_m, box_y_m, box_z_m] = bounding_box.center_m;
     let [length_m, width_m, _] = bounding_box.length_width_height_m;
     let [dx_m, dy_m] = [x_m - box_x_m, y_m - box_y_m];
-    // Twice the square of half the diagonal: most boxes are far away, which is decided without an angle.
+    // Twice the square of half the diagonal: most boxes are far away; this is decided without an angle.
     dx_m * dx_m + dy_m * dy_m <= 0.5 * (length_m * length_m + width_m * width_m)
         && bounding_box.contains([x_m, y_m, box_z_m])
 }

@@ -1,30 +1,30 @@
-//! Whether objects were labelled at a position, whether or not the sensor saw anything there.
+//! Whether objects were labelled at a position, even if the sensor saw nothing there.
 
 use nalgebra::{Matrix3x4, Vector4};
 use scans::annotation::{LabeledArea, LabeledScan, PointRegion};
 
-/// Number of directions that are distinguished where only points show what was labelled: one for each degree.
+/// Number of distinguished directions if only the points show the labelled area: one for each degree.
 const N_DIRECTIONS: usize = 360;
 
-/// Least share of the points in a direction that say something, where positions in it count as labelled. Not a half: a
-/// camera sees nothing of the ground near the sensor, in whatever direction it looks.
+/// Positions in a direction count as labelled if at least this share of its points is inside the labelled region. Not a
+/// half: a camera sees nothing of the ground near the sensor, in whatever direction it looks.
 const MIN_LABELED_SHARE: f64 = 0.25;
 
 /// The positions of a scan at which objects were labelled.
 #[derive(Debug, Clone, PartialEq)]
 pub struct LabeledPositions {
     area: LabeledArea,
-    // For each direction, where points say it; else empty.
+    // One entry for each direction if the area is known only from the points; else empty.
     is_outside: Vec<bool>,
 }
 
 impl LabeledPositions {
     /// Those of `scan`.
     ///
-    /// Where only points say what was labelled, positions are judged by direction, a degree wide: labelled regions are what
-    /// a camera or a person saw from the sensor. A position is outside if fewer than a quarter of the points in its
-    /// direction are inside the region; a direction without points is as the nearest one that has some, and a scan without
-    /// points is outside.
+    /// If the labelled area is known only from the points, positions are judged by direction, in steps of a degree: labelled
+    /// regions are what a camera or a person saw from the sensor. A position is outside if fewer than a quarter of the
+    /// points in its direction are inside the region; a direction without points is judged as the nearest one with points,
+    /// and in a scan without points every position is outside.
     pub fn of(scan: &LabeledScan) -> Self {
         let is_outside = match scan.labeled_area {
             LabeledArea::AsPoints => outside_directions(scan),
@@ -50,7 +50,7 @@ impl LabeledPositions {
     }
 }
 
-/// Whether any height at this position projects into the image.
+/// Whether a point at this position projects into the image at some height.
 fn is_seen([x_m, y_m]: [f32; 2], image_from_sensor: &Matrix3x4<f64>, image_size_px: [u32; 2]) -> bool {
     let level = image_from_sensor * Vector4::new(f64::from(x_m), f64::from(y_m), 0.0, 1.0);
     let per_metre = image_from_sensor.column(2);
@@ -199,7 +199,7 @@ mod tests {
     }
 
     proptest! {
-        /// A position that a camera sees is one of which some height projects into the image, as trying heights finds.
+        /// A camera sees a position if and only if trying many heights finds one that projects into the image.
         #[test]
         fn a_camera_sees_what_trying_heights_finds(x_m in -60.0_f32..60.0, y_m in -60.0_f32..60.0) {
             let LabeledArea::CameraImage { image_from_sensor, image_size_px } = camera() else { unreachable!() };

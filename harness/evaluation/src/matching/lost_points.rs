@@ -19,7 +19,7 @@ pub struct LostPoints<'a> {
 }
 
 impl<'a> LostPoints<'a> {
-    /// Those of `detections` in `scan`, by what the detector's stages left behind.
+    /// Lost points of `detections` in `scan`; `products` are those of the detector's stages.
     pub fn gather(scan: &LabeledScan, detections: &Detections, products: &'a [StageProduct]) -> Self {
         let mut is_detected = vec![false; scan.cloud.len()];
         for detection in detections.iter() {
@@ -39,7 +39,7 @@ impl<'a> LostPoints<'a> {
         Self { is_detected, surfaces, cluster_size }
     }
 
-    /// Why the points of an annotation that are in no detection are in none: for each reason how many, most first.
+    /// Reasons why points of an annotation are in no detection, with the number of points for each, most first.
     pub fn reasons(&self, point_indices: &[u32]) -> Vec<(MissReason, usize)> {
         let mut n_lost: BTreeMap<MissReason, usize> = BTreeMap::new();
         for &point_idx in point_indices.iter().filter(|&&it| !self.is_detected[it as usize]) {
@@ -72,8 +72,8 @@ impl<'a> LostPoints<'a> {
 }
 
 impl Assignment {
-    /// Says of annotations of which more than half of the points are in no detection at which stage most of these were lost,
-    /// where a stage says so. By points such an annotation cannot be found, whatever becomes of the rest.
+    /// For missed annotations with more than half of their points in no detection, sets the reason to the stage that lost
+    /// most of these points, if a stage did. By points such an annotation cannot be found, whatever becomes of the rest.
     pub fn say_where_points_were_lost(&mut self, scan: &LabeledScan, lost: &LostPoints<'_>) {
         use MissReason::{NothingThere, PartlyFound, Split};
         for (annotation, outcome) in scan.annotations.iter().zip(&mut self.annotations) {
@@ -92,7 +92,7 @@ impl Assignment {
     }
 }
 
-/// Writes the size of each point's cluster, where there is one.
+/// Writes the size of each point's cluster, if the point has one.
 fn add_sizes(cluster_of_point: &[Option<u32>], cluster_size: &mut [u32]) {
     let n_clusters = cluster_of_point.iter().flatten().max().map_or(0, |last| *last as usize + 1);
     let mut sizes = vec![0; n_clusters];
@@ -121,8 +121,7 @@ mod tests {
     use crate::matching::criterion::Criterion;
     use crate::matching::drawn_labels::{annotations_in_row, detections_in_row, labeled, row, standard};
 
-    /// A car of 50 points; detections, and what is taken for something, are from and to so many of them. What is short is a
-    /// cluster.
+    /// A car of 50 points; `detections` and `taken_for` are ranges of its points. Points taken for `Short` are a cluster.
     #[track_caller]
     fn check(detections: &[[u32; 2]], taken_for: &[(SurfaceClass, Range<u32>)], expected: MissReason) {
         let scan = labeled(row(50), annotations_in_row(&[(Car, 0..50)]));
@@ -166,7 +165,7 @@ mod tests {
         check(&[[0, 24]], &[(Ground, 24..50)], MissReason::Ground);
         check(&[[0, 24]], &[(Ground, 24..40)], MissReason::Ground);
         check(&[[0, 10], [20, 36]], &[(Ground, 36..50)], MissReason::Split);
-        // Neither a stage nor a detection has them.
+        // The other points are lost by no stage and are in no detection.
         check(&[[0, 20]], &[], MissReason::PartlyFound);
         check(&[], &[], MissReason::NothingThere);
     }

@@ -1,4 +1,4 @@
-//! Every mistake in words: what was missed or is false, and why.
+//! Every mistake in words: missed annotations and false detections, and why.
 
 use detector::{Detections, StageProduct};
 use reports::vocabulary::reason::{FalseReason, MissReason};
@@ -30,7 +30,7 @@ pub enum MistakeKind {
     False,
 }
 
-/// What explains why a detector is wrong on a scan.
+/// Evidence that explains the mistakes of a detector on a scan.
 pub struct Evidence<'a> {
     scan: &'a LabeledScan,
     detections: &'a Detections,
@@ -39,11 +39,11 @@ pub struct Evidence<'a> {
     lost: LostPoints<'a>,
 }
 
-/// No more other objects than this are named.
+/// At most so many other objects are named.
 const MAX_NAMED: usize = 3;
 
 impl<'a> Evidence<'a> {
-    /// Gathers it from `detections` in `scan` and from what the detector's stages left behind.
+    /// Gathers it from `detections` in `scan` and from the products of the detector's stages.
     pub fn gather(
         scan: &'a LabeledScan,
         detections: &'a Detections,
@@ -55,7 +55,7 @@ impl<'a> Evidence<'a> {
         Self { scan, detections, criterion, overlap, lost }
     }
 
-    /// The mistakes of `assignment`: what was missed, then what is false, most points first.
+    /// The mistakes of `assignment`: missed annotations, then false detections, most points first.
     pub fn mistakes(&self, assignment: &Assignment) -> Vec<Mistake> {
         let missed = assignment.annotations.iter().enumerate().filter_map(|(annotation_idx, outcome)| {
             let AnnotationOutcome::Missed(reason) = outcome else { return None };
@@ -172,7 +172,7 @@ impl<'a> Evidence<'a> {
         }
     }
 
-    /// Where the points of an annotation that are in no detection were lost.
+    /// In words, where the undetected points of an annotation were lost.
     fn losses(&self, annotation_idx: usize) -> String {
         let point_indices = &self.scan.annotations[annotation_idx].point_indices;
         let reasons = self.lost.reasons(point_indices).into_iter();
@@ -190,7 +190,7 @@ impl<'a> Evidence<'a> {
         said.join(", ")
     }
 
-    /// The other annotations of a detection, or how much else it holds.
+    /// In words, the other annotations of a detection, or the number of its points without annotation.
     fn others(&self, detection_idx: usize, annotation_idx: usize) -> String {
         let mut others: Vec<(usize, usize)> = self
             .overlap
@@ -209,7 +209,7 @@ impl<'a> Evidence<'a> {
         listed(&others.iter().map(|it| self.name(it.0)).collect::<Vec<_>>())
     }
 
-    /// By what the pair agrees, against the gate.
+    /// In words, how well the pair agrees, compared with the gate.
     fn agreement(&self, annotation_idx: usize, detection_idx: usize) -> String {
         let annotation = &self.scan.annotations[annotation_idx];
         let detection = self.detections.get(detection_idx);

@@ -1,23 +1,23 @@
-//! What became of every annotation and every detection of a scan.
+//! Outcome of every annotation and every detection of a scan.
 
 use reports::vocabulary::reason::{FalseReason, IgnoredAnnotation, IgnoredDetection, MissReason};
 use reports::vocabulary::task::Task;
 
-/// The assignment of one scan for one task, and what follows from it.
+/// Assignment of one scan for one task, and the outcomes that follow from it.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Assignment {
     /// The task it was made for.
     pub task: Task,
-    /// For every annotation of the scan, in order, what became of it.
+    /// Outcome of every annotation of the scan, in order.
     pub annotations: Vec<AnnotationOutcome>,
-    /// For every detection of the scan, in order, what became of it.
+    /// Outcome of every detection of the scan, in order.
     pub detections: Vec<DetectionOutcome>,
     /// Annotations that are ignored because they are tall, and the detections that found them nevertheless, by annotation.
     pub found_tall: Vec<FoundTall>,
 }
 
 impl Assignment {
-    /// Says of what was missed, as nothing was found, that the detector gave no answer.
+    /// Gives all missed annotations the reason that the detector gave no answer.
     pub fn say_that_detector_failed(&mut self) {
         for outcome in &mut self.annotations {
             if let AnnotationOutcome::Missed(reason) = outcome {
@@ -27,18 +27,18 @@ impl Assignment {
     }
 }
 
-/// A tall annotation that a detection found which had found nothing that counts. Both are ignored.
+/// A tall annotation, and the detection that found it and that matches no annotation that counts. Both are ignored.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct FoundTall {
     /// The annotation.
     pub annotation_idx: usize,
     /// The detection.
     pub detection_idx: usize,
-    /// What matching them cost, as in [`AnnotationOutcome::Matched`].
+    /// Cost of matching them, as in [`AnnotationOutcome::Matched`].
     pub cost: f64,
 }
 
-/// What became of an annotation.
+/// Outcome of an annotation.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum AnnotationOutcome {
     /// Not asked for by the task: it belongs to the background.
@@ -56,7 +56,7 @@ pub enum AnnotationOutcome {
     Missed(MissReason),
 }
 
-/// What became of a detection.
+/// Outcome of a detection.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum DetectionOutcome {
     /// Not of a class the task asks for.
@@ -72,6 +72,6 @@ pub enum DetectionOutcome {
     },
     /// False.
     False(FalseReason),
-    /// Whether it is false cannot be known: it lies where the labels would not show its kind.
+    /// It cannot be known whether it is false: the labels do not cover all objects that it could be.
     Unknowable,
 }

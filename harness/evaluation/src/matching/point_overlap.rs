@@ -12,8 +12,8 @@ pub struct PointOverlap {
     n_detected: Vec<usize>,
 }
 
-/// For every object of one kind a list of those of the other kind that share a point with it, ascending, with the number of
-/// shared points.
+/// For every object of one kind a list of the objects of the other kind that share a point with it, ascending, with the
+/// number of shared points.
 #[derive(Debug, Clone, PartialEq, Eq)]
 struct SharedLists {
     // Invariant: list `idx` is `pairs[ends[idx]..ends[idx + 1]]`; `ends` begins with 0 and ascends.
@@ -26,7 +26,7 @@ impl SharedLists {
         &self.pairs[self.ends[idx]..self.ends[idx + 1]]
     }
 
-    /// The same pairs listed for the `n` objects of the other kind.
+    /// Transposed lists: the pairs by the `n` objects of the other kind.
     fn transposed(&self, n: usize) -> Self {
         let ends = ends_of_lists(self.pairs.iter().map(|(other, _)| *other), n);
         let mut next = ends.clone();
@@ -121,7 +121,8 @@ fn annotations_of_points(scan: &LabeledScan) -> AnnotationsOfPoints {
     AnnotationsOfPoints { ends, annotation_idxs }
 }
 
-/// Where the lists of `n` owners end, one after the other, if each of `owners` gives its own a member; begins with 0.
+/// Ends of the lists of `n` owners, stored one after the other, if each item of `owners` adds a member to the list of that
+/// owner; begins with 0.
 fn ends_of_lists(owners: impl Iterator<Item = usize>, n: usize) -> Vec<usize> {
     let mut ends = vec![0; n + 1];
     for owner in owners {

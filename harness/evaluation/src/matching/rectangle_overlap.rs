@@ -1,4 +1,4 @@
-//! How far two rectangles of a plane overlap that may be turned against each other.
+//! How far two rectangles of a plane overlap; they may be rotated against each other.
 
 /// A rectangle.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -7,7 +7,7 @@ pub struct Rectangle {
     pub center_m: [f64; 2],
     /// Its sides in metres.
     pub length_width_m: [f64; 2],
-    /// How the longer side, its length, is turned from the first axis towards the second.
+    /// Angle of the side `length` from the first axis towards the second.
     pub yaw_rad: f64,
 }
 
@@ -30,13 +30,13 @@ impl Rectangle {
     }
 }
 
-/// What is in both over what is in either, 0 to 1; 0 if both are empty.
+/// Intersection over union of two sizes that have `common` in common, 0 to 1; 0 if both are empty.
 pub fn over_union(common: f64, first: f64, second: f64) -> f64 {
     let union = first + second - common;
     if union > 0.0 { (common / union).clamp(0.0, 1.0) } else { 0.0 }
 }
 
-/// Area that both cover: the corners of the second, clipped by the sides of the first in its own frame.
+/// Area in square metres that both cover: the second, clipped by the sides of the first in the frame of the first.
 ///
 /// Sutherland, Hodgman: Reentrant Polygon Clipping, 1974.
 pub fn common_area_m2(first: &Rectangle, second: &Rectangle) -> f64 {
@@ -50,7 +50,7 @@ pub fn common_area_m2(first: &Rectangle, second: &Rectangle) -> f64 {
     polygon_area_m2(&corners_m)
 }
 
-/// The corners of `it` where `frame` is at the origin and heads along the first axis, counter-clockwise.
+/// Corners of `it`, counter-clockwise, in the frame in which `frame` is at the origin and heads along the first axis.
 fn corners_in_frame_of(frame: &Rectangle, it: &Rectangle) -> [[f64; 2]; 4] {
     let [dx_m, dy_m] = [0, 1].map(|axis| it.center_m[axis] - frame.center_m[axis]);
     let (frame_sin, frame_cos) = frame.yaw_rad.sin_cos();

@@ -1,4 +1,4 @@
-//! How far two detectors agree, where nobody knows the truth.
+//! How far two detectors agree where there are no labels.
 
 use std::collections::BTreeMap;
 
@@ -8,16 +8,16 @@ use reports::vocabulary::task::Task;
 use crate::matching::eligibility::asks_for;
 use crate::matching::hungarian::{AdmissiblePair, match_pairs};
 
-/// Indices of those of `detections` that `task` asks for.
+/// Indices of the `detections` that `task` asks for.
 pub fn asked_for(detections: &Detections, task: Task) -> Vec<usize> {
     (0..detections.len()).filter(|&idx| asks_for(task, detections.get(idx).class)).collect()
 }
 
-/// Indices of those detections of the first of two detectors that the second has, too, in a scan of `n_points`: they share
-/// half of the points that they have together. Only what `task` asks for is looked at.
+/// Indices of the detections of the first of two detectors that the second has, too, in a scan of `n_points`: the IoU of the
+/// two point sets is at least a half. Only detections that `task` asks for are compared.
 ///
-/// The detections are matched as if those of the second detector were annotations, one with one, so that as many as possible
-/// are matched and they share as many points as possible. They are as many the other way round.
+/// The detections are matched one with one, as if those of the second detector were annotations: as many as possible, and of
+/// these choices one of least total 1 − IoU. Exchanging the detectors gives the same number.
 pub fn shared([first, second]: [&Detections; 2], task: Task, n_points: usize) -> Vec<usize> {
     let mut at_point: Vec<Vec<usize>> = vec![Vec::new(); n_points];
     for idx in asked_for(second, task) {
@@ -41,7 +41,7 @@ pub fn shared([first, second]: [&Detections; 2], task: Task, n_points: usize) ->
     match_pairs(&pairs).into_iter().map(|it| it.detection_idx).collect()
 }
 
-/// Less than half of the points in common is no agreement.
+/// Greatest 1 − IoU of detections that agree.
 const MAX_COST: f64 = 0.5;
 
 #[cfg(test)]

@@ -13,13 +13,13 @@ pub struct BoxErrors {
     pub length_m: f64,
     /// Fitted less annotated width, in metres.
     pub width_m: f64,
-    /// Angle between the long sides in radians, 0 to π/2: which end is the front is not asked.
+    /// Angle between the long sides in radians, 0 to π/2; it ignores which end is the front.
     pub yaw_rad: f64,
     /// Whether the front is on the right side.
     pub is_front_right: bool,
     /// Intersection over union seen from above, 0 to 1.
     pub bev_iou: f64,
-    /// The same in space.
+    /// Intersection over union in space, 0 to 1.
     pub iou_3d: f64,
 }
 

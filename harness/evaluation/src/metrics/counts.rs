@@ -1,4 +1,4 @@
-//! What was found, missed and false, and the ratios of these.
+//! Counts of found and missed annotations and of false detections, and their ratios.
 
 use reports::vocabulary::task::Task;
 use scans::dataset::AnnotatedClasses;
@@ -6,7 +6,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::matching::outcome::{AnnotationOutcome, Assignment, DetectionOutcome};
 
-/// Bumped whenever the same detections would score differently.
+/// Increased whenever the same detections would score differently.
 pub const SCORING_VERSION: u32 = 2;
 
 /// Counts of one task over any number of scans. Sums first, ratios last: a ratio of sums, never a mean of ratios.
@@ -19,7 +19,7 @@ pub struct Counts {
     pub n_annotations: u64,
     /// Annotations that were found (TP).
     pub n_matched: u64,
-    /// Detections that are false (FO), of those about which it can be known.
+    /// Detections that are known to be false (FO).
     pub n_false: u64,
     /// Detections of which it cannot be known whether they are false.
     pub n_unknowable: u64,
@@ -32,14 +32,14 @@ pub struct Counts {
 /// Whether every detection that matches nothing is known to be false.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum FalseDetections {
-    /// Everything that a detection could rightly be is annotated.
+    /// All objects that the task asks for are annotated.
     Known,
     /// There may be objects without annotations.
     Unknowable,
 }
 
 impl FalseDetections {
-    /// What `annotated` says about `task`.
+    /// Whether false detections are known for `task` where these classes are `annotated`.
     pub fn of(annotated: &AnnotatedClasses, task: Task) -> Self {
         if annotated.covers(task) { Self::Known } else { Self::Unknowable }
     }
@@ -71,7 +71,7 @@ impl Counts {
         counts
     }
 
-    /// The counts that rates are made of; `false_detections` says whether the false ones are all known.
+    /// The counts that rates are computed from; `false_detections` says whether all false ones are known.
     pub fn scored(&self, false_detections: FalseDetections) -> reports::rows::counts::Counts {
         let n_false = (false_detections == FalseDetections::Known).then_some(self.n_false);
         reports::rows::counts::Counts::new(self.n_annotations, self.n_matched, n_false)

@@ -1,4 +1,4 @@
-//! From outcomes and times to numbers.
+//! Numbers made of outcomes and times.
 
 pub mod counts;
 pub mod box_errors;

@@ -8,7 +8,7 @@ use reports::vocabulary::task::Task;
 use scans::annotation::LabeledScan;
 use scans::dataset::AnnotatedClasses;
 
-/// What became of a pair of objects.
+/// Outcome of a pair of objects.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub enum PairOutcome {
     /// One of the two has too few points to be judged, or none: hidden by the other, or too thin.
@@ -17,14 +17,14 @@ pub enum PairOutcome {
     Separated,
     /// A detection holds more than [`JOINING_SHARE`] of the points of each.
     Joined,
-    /// Neither: at least one of them was lost or torn apart.
+    /// Neither separated nor joined: at least one of them was lost or torn apart.
     Lost,
 }
 
 /// A detection with more than this share of the points of both objects joins them.
 pub const JOINING_SHARE: f64 = 0.1;
 
-/// What *separated* means, for tables and pages.
+/// Definition of *separated*, for tables and pages.
 pub const SEPARATED: &str = "Separated: each of the two objects matches a detection of its own (points, IoU at \
     least 0.5), and no detection has more than a tenth of the points of both. Pairs with an object of fewer than \
     20 points are not judged.";

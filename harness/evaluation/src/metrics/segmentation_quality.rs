@@ -9,8 +9,8 @@ use scans::annotation::LabeledScan;
 use crate::matching::outcome::{AnnotationOutcome, Assignment};
 use crate::matching::point_overlap::PointOverlap;
 
-/// Over- and under-segmentation of one scan. Detections of every class are looked at, but only annotations that `assignment`
-/// counts.
+/// Over- and under-segmentation of one scan. Counts detections of every class, but only the annotations that count in
+/// `assignment`.
 pub fn segmentation_quality(
     scan: &LabeledScan,
     detections: &Detections,
@@ -47,7 +47,7 @@ pub fn segmentation_quality(
     quality
 }
 
-/// The sum, the same to the bit in whatever order the terms come: that of detections is not to show.
+/// The sum, equal to the bit for every order of the terms: the order of detections must not change it.
 fn sum_in_order(mut terms: Vec<f64>) -> f64 {
     terms.sort_by(f64::total_cmp);
     terms.iter().sum()

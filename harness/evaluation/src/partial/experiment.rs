@@ -14,12 +14,12 @@ use scans::object_cloud::object_cloud_set::ObjectCloudSet;
 use super::methods::{Method, MethodError, OURS, TrainedMethod, UnknownClass};
 use super::object_parts::{ObjectPart, PartsSeen, object_parts};
 
-/// Objects of a set.
+/// Some objects of a set.
 #[derive(Clone, Copy)]
 pub struct ObjectsOf<'a> {
     /// The set.
     pub set: &'a dyn ObjectCloudSet,
-    /// Which of its objects.
+    /// Indices of its objects.
     pub object_indices: &'a [usize],
 }
 
@@ -51,71 +51,71 @@ pub enum PartialExperimentError {
     /// An object cannot be read.
     #[error(transparent)]
     Dataset(#[from] DatasetError),
-    /// A model is of other things than objects.
+    /// A model knows an unknown class.
     #[error(transparent)]
     Model(#[from] UnknownClass),
-    /// A method learned nothing.
+    /// A method failed to learn.
     #[error("{method} learned nothing from {dataset}")]
     Method {
         /// Its name.
         method: String,
-        /// What it should have learned from.
+        /// Id of the training set.
         dataset: String,
         /// Why.
         source: MethodError,
     },
 }
 
-/// What methods have learned from.
+/// Source of the knowledge of the methods.
 #[derive(Clone, Copy)]
 pub enum Knowledge<'a> {
-    /// A bag of graphs has learned before.
+    /// A bag of graphs that was trained before.
     Model {
-        /// What it has learned.
+        /// The trained model.
         model: &'a Arc<PartialModel>,
-        /// What rows say that it was trained on.
+        /// Its training data, as rows name it.
         trained_on: &'a str,
     },
-    /// Methods learn now.
+    /// Methods are trained now.
     Learned {
-        /// From which objects.
+        /// Training objects.
         training: ObjectsOf<'a>,
-        /// From what of them, in turn.
+        /// Parts of them to learn from, one kind after the other.
         trained_on: &'a [TrainedOn],
         /// The methods.
         methods: &'a [Method],
     },
 }
 
-/// What is done.
+/// An experiment.
 #[derive(Clone, Copy)]
 pub struct PartialExperiment<'a> {
-    /// What methods have learned from.
+    /// Source of the knowledge of the methods.
     pub knowledge: Knowledge<'a>,
-    /// What they are judged by.
+    /// Objects that the methods are judged by.
     pub judged: ObjectsOf<'a>,
-    /// Which parts of them are shown: [`PartsSeen::Uncovered`] or [`PartsSeen::Driven`].
+    /// Parts of these objects that are shown: [`PartsSeen::Uncovered`] or [`PartsSeen::Driven`].
     pub judged_parts: PartsSeen,
-    /// Which classes take part. With [`PartialClass::Other`] a method may decide for none of these.
+    /// Classes that take part. With [`PartialClass::Other`] a method may decide for none of them.
     pub classes: &'a [PartialClass],
 }
 
-/// What one method says of all parts of an object.
+/// Answers of one method to all parts of an object.
 #[derive(Debug, Clone, PartialEq)]
 pub struct AnsweredObject {
-    /// The number of the method, counted through all that it may have learned from.
+    /// Number of the method, counted over all kinds of training parts and their methods.
     pub method_idx: usize,
-    /// Which object of its set.
+    /// Index of the object in its set.
     pub object_idx: usize,
     /// A row for each part.
     pub rows: Vec<PartialRow>,
 }
 
-/// Objects that are read at once, by all threads.
+/// Number of objects that are read at once, by all threads.
 const N_READ_AT_ONCE: usize = 32;
 
 impl PartialExperiment<'_> {
-    /// How many pairs of a method and an object there are.
+    /// Number of pairs of a method and an object.
     pub fn n_answered_objects(&self) -> usize {
         let n_answering = match self.knowledge {
             Knowledge::Model { .. } => 1,
@@ -130,16 +130,16 @@ impl PartialExperiment<'_> {
     }
 }
 
-/// Has every method judge, after it has learned unless it knows already, and hands what it says of each object to
-/// `on_object` until that returns an error. Left out are pairs of a method and an object of which `is_done` says that they
-/// are done; a method that is not needed does not learn. Returns what our method last learned, or had learned before, if it
-/// took part or is `wanted`.
+/// Trains every method, unless it is trained already, and hands its answers to each object to `on_object`, until that
+/// returns an error. Pairs of a method and an object that are done by `is_done` are left out; a method that is not needed is
+/// not trained. Returns the last trained model of our method, or the one that was trained before, if it was needed or is
+/// `wanted`.
 ///
-/// The same objects give the same rows, with any number of threads.
+/// Equal objects give equal rows, with any number of threads.
 ///
 /// # Errors
 ///
-/// [`PartialExperimentError`] if an object cannot be read, or a method learns nothing, and what `on_object` returns.
+/// [`PartialExperimentError`] if an object cannot be read, or a method fails to learn, and errors of `on_object`.
 ///
 /// Paper: BG section 4.
 pub fn run<E: From<PartialExperimentError>>(
@@ -185,7 +185,7 @@ struct Judge<'a> {
 }
 
 impl Judge<'_> {
-    /// What it says of the parts in `shown`.
+    /// Rows of its answers to the parts in `shown`.
     fn rows(&self, experiment: &PartialExperiment<'_>, shown: &[ObjectPart]) -> Vec<PartialRow> {
         let may_be_none = experiment.classes.contains(&PartialClass::Other);
         let choice = if may_be_none { Choice::OrNoneOfThese } else { Choice::OfClasses };
@@ -197,7 +197,7 @@ impl Judge<'_> {
 }
 
 impl PartialExperiment<'_> {
-    /// The number of our method with what it learns from last; `None` if it does not take part.
+    /// Number of our method with the last kind of training parts; `None` if it does not take part.
     fn last_of_ours(&self) -> Option<usize> {
         match self.knowledge {
             Knowledge::Model { .. } => Some(0),
@@ -208,7 +208,7 @@ impl PartialExperiment<'_> {
         }
     }
 
-    /// Every method that `is_needed`, by its number, after it has learned.
+    /// All methods that are needed by `is_needed`, which takes their numbers, after training.
     fn judges(&self, is_needed: impl Fn(usize) -> bool) -> Result<Vec<Judge<'_>>, PartialExperimentError> {
         let (training, trained_on, methods) = match self.knowledge {
             Knowledge::Model { .. } if !is_needed(0) => return Ok(Vec::new()),
@@ -307,7 +307,7 @@ mod tests {
         let rows = rows_of(on_threads(2, &|| answered(&|_, _| false)));
         assert_eq!(rows.len(), 20 * experiment.n_answered_objects());
         assert_eq!(rows.len(), 4 * 6 * 20 * methods.len());
-        // On one thread, and gone on with in the middle.
+        // On one thread, and continued in the middle.
         let half = |method_idx: usize, object_idx: usize| method_idx == 1 || object_idx.is_multiple_of(3);
         let gone_on_with = || {
             let mut found = answered(&half);

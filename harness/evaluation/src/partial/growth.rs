@@ -1,4 +1,4 @@
-//! Objects as they grow, with what a bag of graphs makes of every part: what recordings show.
+//! Growing objects for recordings, with the results of a bag of graphs for every part.
 
 use std::sync::Arc;
 
@@ -24,18 +24,18 @@ pub struct Growth {
     pub data: String,
     /// The object.
     pub object: String,
-    /// What it is.
+    /// Its class.
     pub class: PartialClass,
     /// From which end it is seen: `below`, `above`, or `drive`.
     pub direction: &'static str,
-    /// As more and more is seen.
+    /// Moments, as more and more is seen.
     pub moments: Vec<GrowthMoment>,
 }
 
-/// What had been seen at one moment, and its predicted class.
+/// The points seen up to one moment, and their predicted class.
 #[derive(Debug, Clone, PartialEq)]
 pub struct GrowthMoment {
-    /// The step from 1 to 10, or the centimetres that have been driven since anything was seen.
+    /// The step from 1 to 10, or the centimetres driven since the first moment.
     pub at: i64,
     /// The points.
     pub cloud: PointCloud,
@@ -43,27 +43,27 @@ pub struct GrowthMoment {
     pub keypoints: Vec<LabeledKeypoint>,
     /// Their graphs as line strips, in metres.
     pub graphs_m: Vec<Vec<[f32; 3]>>,
-    /// How often the patterns occur that are most frequent in the end.
+    /// Frequencies of the patterns that are most frequent at the last moment.
     pub bag: Vec<f32>,
     /// Its predicted class.
     pub answer: Answer,
-    /// Where the scanner is that sees it, if it is driven toward.
+    /// Position of the scanner, if the object is driven toward.
     pub scanner: Option<ScannerPosition>,
 }
 
-/// Where a planar scanner is on its drive along x toward an object at the origin.
+/// Position of a planar scanner on its drive along x toward an object at the origin.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ScannerPosition {
     /// Its position in metres.
     pub position_m: [f32; 3],
-    /// By how much its plane rises, metre for metre.
+    /// Rise of its plane, in metres per metre.
     pub slope: f32,
 }
 
-/// Patterns of a bag that are kept.
+/// Most patterns of a bag that are kept.
 const MOST_BARS: usize = 48;
 
-/// The object `object_idx` of `set` as it grows, from each end that `seen` shows; `drive` is how it was driven toward.
+/// Growths of the object `object_idx` of `set`, one for each end that `seen` shows; `drive` is the drive toward it.
 ///
 /// # Errors
 ///
@@ -122,17 +122,17 @@ pub struct GrowthModel {
 }
 
 impl GrowthModel {
-    /// Of `model`.
+    /// A classifier with `model`.
     ///
     /// # Errors
     ///
-    /// [`UnknownClass`] if it knows a class that objects are never of.
+    /// [`UnknownClass`] if it knows a class that no object has.
     pub fn new(model: Arc<PartialModel>) -> Result<Self, UnknownClass> {
         Ok(Self { method: TrainedMethod::of_model(Arc::clone(&model))?, model })
     }
 }
 
-/// How far was driven since the first moment.
+/// Centimetres driven since the first moment.
 fn driven_cm(growing: &GrowingCloud, moment: &Moment) -> i64 {
     let first = growing.moments.first().and_then(|it| it.distance_m);
     first.zip(moment.distance_m).map_or(0, |(first_m, here_m)| (100.0 * (first_m - here_m)).round() as i64)
@@ -145,7 +145,7 @@ fn scanner_at(drive: &Drive, moment: &Moment) -> Option<ScannerPosition> {
     Some(ScannerPosition { position_m: [-before_m, drive.aside_m, drive.height_m], slope })
 }
 
-/// The same with only those patterns in the bags that are most frequent at the last moment, in their order.
+/// Reduces the bags of `moments` to the patterns that are most frequent at the last moment, in their order.
 fn with_most_frequent(mut moments: Vec<GrowthMoment>) -> Vec<GrowthMoment> {
     let last = moments.last().map(|it| it.bag.clone()).unwrap_or_default();
     let mut columns: Vec<usize> = (0..last.len()).filter(|&it| last[it] > 0.0).collect();

@@ -20,16 +20,16 @@ use super::object_parts::ObjectPart;
 use super::pairwise_svm::PairwiseSvm;
 use super::rival_values::{N_EXTENTS, N_VEHICLE_VALUES, extent_values, pca_values, vehicle_values};
 
-/// A method, before it has learned.
+/// A method before training.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Method {
     /// The name used in tables.
     pub name: String,
-    /// What it is.
+    /// Its kind.
     pub kind: MethodKind,
 }
 
-/// What a method is.
+/// Kind of a method.
 #[derive(Debug, Clone, PartialEq)]
 pub enum MethodKind {
     /// A bag of graphs with these parameters.
@@ -42,7 +42,7 @@ pub enum MethodKind {
     VehicleValues,
 }
 
-/// A name, and what is changed.
+/// Name of a variant, and its change of the parameters.
 type Variant<'a> = (&'a str, &'a dyn Fn(&mut PartialParams));
 
 /// The name of our method in tables.
@@ -70,7 +70,7 @@ impl Method {
         Self { name: name.to_owned(), kind: MethodKind::BagOfGraphs(Box::new(params)) }
     }
 
-    /// The bag of graphs whole, and without each of its parts.
+    /// The whole bag of graphs, and variants without each of its parts.
     pub fn ablation(whole: &PartialParams) -> Vec<Self> {
         let variants: [Variant<'_>; 12] = [
             (OURS, &|_| ()),
@@ -108,7 +108,7 @@ impl Method {
     }
 }
 
-/// Why a method learned nothing.
+/// Why a method failed to learn.
 #[derive(Debug, thiserror::Error)]
 pub enum MethodError {
     /// The bag of graphs.
@@ -119,15 +119,15 @@ pub enum MethodError {
     Rival(#[from] NuSvcError),
 }
 
-/// A model knows a class that objects are never of.
+/// A model knows a class that no object has.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 #[error("the model knows the class {name:?}, which is none of tree, car, pole, pedestrian and other")]
 pub struct UnknownClass {
-    /// What it calls it.
+    /// Name of the class in the model.
     pub name: String,
 }
 
-/// A method that has learned.
+/// A trained method.
 #[derive(Debug, Clone)]
 pub struct TrainedMethod {
     classes: Vec<PartialClass>,
@@ -143,11 +143,11 @@ enum TrainedKind {
 }
 
 impl Method {
-    /// Learns from `parts`; a class counts if there is an object of it.
+    /// Trains the method on `parts`; a class counts if there is an object of it.
     ///
     /// # Errors
     ///
-    /// [`MethodError`] if there are fewer than two classes, or two of them cannot be parted.
+    /// [`MethodError`] if there are fewer than two classes, or two of them cannot be separated.
     pub fn learn(&self, parts: &[ObjectPart], made: Provenance) -> Result<TrainedMethod, MethodError> {
         let is_there = |class: &PartialClass| parts.iter().any(|it| it.class == *class);
         let classes: Vec<PartialClass> = PartialClass::ALL.into_iter().filter(is_there).collect();
@@ -163,11 +163,12 @@ impl Method {
     }
 }
 
-/// A bag of graphs of `classes`, learned from parts of objects; described by all threads, the same with any number of them.
+/// Trains a bag of graphs of `classes` on parts of objects. All threads describe parts; their number does not change the
+/// model.
 ///
 /// # Errors
 ///
-/// [`TrainingError`] if a class has nothing to learn from.
+/// [`TrainingError`] if a class has no training data.
 pub fn bag_of_graphs(
     parts: &[ObjectPart],
     classes: &[PartialClass],
@@ -202,18 +203,18 @@ fn svm<const D: usize>(
 }
 
 impl TrainedMethod {
-    /// A bag of graphs that has learned before.
+    /// A bag of graphs that was trained before.
     ///
     /// # Errors
     ///
-    /// [`UnknownClass`] if it knows a class that objects are never of.
+    /// [`UnknownClass`] if it knows a class that no object has.
     pub fn of_model(model: Arc<PartialModel>) -> Result<Self, UnknownClass> {
         let class = |name: &String| PartialClass::from_name(name).ok_or(UnknownClass { name: name.clone() });
         let classes = model.classes.iter().map(class).collect::<Result<_, _>>()?;
         Ok(Self { classes, kind: TrainedKind::BagOfGraphs(model) })
     }
 
-    /// What it has learned, if it is a bag of graphs.
+    /// Its model, if it is a bag of graphs.
     pub fn model(&self) -> Option<&Arc<PartialModel>> {
         match &self.kind {
             TrainedKind::BagOfGraphs(model) => Some(model),
@@ -221,7 +222,7 @@ impl TrainedMethod {
         }
     }
 
-    /// What it says of every part, in their order.
+    /// Its answers to all parts, in their order.
     pub fn answers(&self, parts: &[ObjectPart], choice: Choice) -> Vec<Answer> {
         match &self.kind {
             TrainedKind::BagOfGraphs(model) => {
@@ -241,7 +242,7 @@ impl TrainedMethod {
         }
     }
 
-    /// What a bag of graphs says of a cloud.
+    /// Answer of a bag of graphs to a cloud.
     pub fn of_graphs(&self, classifier: &mut PartialClassifier, cloud: &PointCloud) -> Answer {
         let judgement = classifier.classify(cloud.positions_m());
         let predicted = match judgement.verdict {

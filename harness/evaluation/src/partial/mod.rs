@@ -1,5 +1,5 @@
-//! How partly seen objects are classified: the ten-step experiment, the rivals, and what each part of the method
-//! contributes.
+//! Classification of partly seen objects: the ten-step experiment, the rivals, and the contribution of each part of the
+//! method.
 
 pub mod object_parts;
 pub mod model_training;

@@ -1,4 +1,4 @@
-//! Learning a bag of graphs from several ways of looking at objects.
+//! Training of a bag of graphs on objects that are seen in several ways.
 
 use std::collections::BTreeMap;
 
@@ -14,13 +14,13 @@ use serde::Deserialize;
 
 use super::object_parts::{PartsSeen, parts_of};
 
-/// What the shipped model learns from. `partial_recipe.toml` has the values.
+/// Training data of the shipped model. `partial_recipe.toml` has the values.
 #[derive(Debug, Clone, PartialEq, Eq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct PartialRecipe {
     /// Names of simulated sets of objects, of which the training part is taken.
     pub objects: Vec<String>,
-    /// How many objects of each set and class.
+    /// Number of objects of each set and class.
     pub per_class: u32,
 }
 
@@ -40,22 +40,22 @@ pub enum ModelTrainingError {
     /// An object cannot be read.
     #[error(transparent)]
     Dataset(#[from] DatasetError),
-    /// There is too little to learn from.
+    /// There is too little training data.
     #[error("the bag of graphs learned nothing")]
     Training(#[from] TrainingError),
 }
 
-/// Learns the classes that `sets` have, from all parts of their objects: what had been seen at ten moments of the drive of
-/// those that are driven toward; all others are uncovered from below and from above, as they are judged. `on_object` is
-/// called for each object that was looked at.
+/// Trains a model of the classes of `sets` on all parts of their objects. Objects that are driven toward have as parts the
+/// points seen up to ten moments of the drive; all others are uncovered from below and from above, as they are judged.
+/// `on_object` is called after each object.
 ///
-/// Within a class all sets weigh the same, however many parts of objects they have. Objects of simulated sets that have the
-/// same name are the same object, seen in another way: they are held out together. The same sets give the same model to the
-/// bit, with any number of threads.
+/// Within a class all sets weigh the same, however many parts of objects they have. Objects of simulated sets with the same
+/// name are one object, seen in different ways: they are held out together. The same sets give the same model to the bit,
+/// with any number of threads.
 ///
 /// # Errors
 ///
-/// [`ModelTrainingError`] if an object cannot be read, or there is too little to learn from.
+/// [`ModelTrainingError`] if an object cannot be read, or there is too little training data.
 pub fn train_on_sets(
     sets: &[Box<dyn ObjectCloudSet>],
     params: &PartialParams,
@@ -77,10 +77,11 @@ pub fn train_on_sets(
     Ok(train(&names, &clouds, params, made)?)
 }
 
-/// An object by its name, with what is known of its parts.
+/// Name of an object, and the descriptions of its parts.
 type DescribedObject = (String, Vec<TrainingCloud>);
 
-/// Clouds are thrown away as soon as they are described: all of them together are too large for some machines.
+/// Describes the objects of a set. Clouds are dropped as soon as they are described: all together are too large for some
+/// machines.
 fn described_objects(
     set: &dyn ObjectCloudSet,
     classes: &[PartialClass],

@@ -1,4 +1,4 @@
-//! Objects, and the parts of them that are seen step by step.
+//! Parts of objects that are seen step by step.
 
 use detector::PointCloud;
 use rayon::prelude::*;
@@ -8,14 +8,14 @@ use scans::object_cloud::growing_cloud::GrowingCloud;
 use scans::object_cloud::object_cloud_set::ObjectCloudSet;
 use scans::object_cloud::uncover::{UNCOVER_STEPS, UncoverFrom, uncover};
 
-/// What had been seen of an object at one step.
+/// The part of an object that is seen up to one step.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ObjectPart {
-    /// Which object of its set.
+    /// Index of the object in its set.
     pub object_idx: usize,
-    /// Its name.
+    /// Name of the object.
     pub object: String,
-    /// What it is.
+    /// Class of the object.
     pub class: PartialClass,
     /// From which end it is seen: `below`, `above`, or `drive` as it was driven toward.
     pub direction: &'static str,
@@ -23,12 +23,12 @@ pub struct ObjectPart {
     pub step: u32,
     /// Its points.
     pub cloud: PointCloud,
-    /// The share of all its points.
+    /// Share of the points of the object.
     pub share_of_points: f64,
 }
 
 impl ObjectPart {
-    /// A number of what is seen, the same for all objects: from which end, and the step.
+    /// Number of the part within any object, made of direction and step.
     pub fn index(&self) -> usize {
         let from = match self.direction {
             DRIVE => 2,
@@ -42,14 +42,14 @@ impl ObjectPart {
 /// The direction of objects that were driven toward.
 pub const DRIVE: &str = "drive";
 
-/// Which parts are looked at.
+/// Which parts of objects are used.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum PartsSeen {
-    /// All of it.
+    /// The whole object.
     Whole,
     /// Ten steps from below, and ten from above.
     Uncovered,
-    /// Ten of the moments at which it was seen on a drive, evenly spread, the last of them the last.
+    /// Ten of the moments at which it was seen on a drive, evenly spread, including the last one.
     Driven,
 }
 

@@ -6,13 +6,13 @@ use detector::classify::svm_training::train_svm;
 use detector::partial::decision::to_probabilities;
 use detector::partial::sharpness::{HeldOutScores, learn_sharpness};
 
-/// Width of the kernel, over the number of values, which are standardised.
+/// Width of the kernel, times the number of values, which are standardised.
 const GAMMA: f32 = 1.0;
-/// The ν of each machine, unless the smaller class allows only less.
+/// The ν of each machine, unless the smaller class requires a lower one.
 const NU: f64 = 0.1;
-/// Of the largest ν that is possible.
+/// Greatest ν, as a share of the largest possible one.
 const MOST_NU: f64 = 0.9;
-/// Every third cloud is held out to learn how sure decisions are.
+/// Every third group is held out to learn how sure decisions are.
 const HOLD_OUT_EVERY: usize = 3;
 
 /// A classifier of `D` values.
@@ -24,11 +24,11 @@ pub struct PairwiseSvm<const D: usize> {
 }
 
 impl<const D: usize> PairwiseSvm<D> {
-    /// Learns from vectors and their classes; `groups` are held out together.
+    /// Trains on vectors and their classes; vectors of one of the `groups` are held out together.
     ///
     /// # Errors
     ///
-    /// [`NuSvcError`] if two classes cannot be parted.
+    /// [`NuSvcError`] if two classes cannot be separated.
     pub fn learned(
         vectors: &[[f32; D]],
         classes: &[usize],
@@ -46,7 +46,7 @@ impl<const D: usize> PairwiseSvm<D> {
         Ok(Self { n_classes, machines: machines(vectors, classes, &all, n_classes)?, sharpness })
     }
 
-    /// The class with most votes, and the chances of all.
+    /// The class with most votes, and the probabilities of all classes.
     pub fn judge(&self, vector: &[f32; D]) -> (usize, Vec<f32>) {
         let mut chances = self.scores(vector);
         let best =
@@ -55,7 +55,7 @@ impl<const D: usize> PairwiseSvm<D> {
         (best, chances)
     }
 
-    /// For each class the votes of its machines, and less than one more for how clear they are.
+    /// For each class the votes of its machines, changed by less than one in total by how clear the votes are.
     fn scores(&self, vector: &[f32; D]) -> Vec<f32> {
         let mut scores = vec![0.0; self.n_classes];
         for (first, second, machine) in &self.machines {

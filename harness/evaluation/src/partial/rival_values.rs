@@ -1,4 +1,4 @@
-//! What rivals look at: values of a cloud as a whole.
+//! Values of rivals: they describe a cloud as a whole.
 
 use baselines::pca_features::{N_PCA_FEATURES, PcaDescriber};
 use detector::PointCloud;
@@ -16,7 +16,7 @@ pub const N_EXTENTS: usize = 4;
 /// Number of values of the vehicle model.
 pub const N_VEHICLE_VALUES: usize = 28;
 
-/// Length, width, bottom and top of what is seen, in metres; `None` without points.
+/// Length, width, bottom and top of the points, in metres; `None` without points.
 pub fn extent_values(cloud: &PointCloud) -> Option<[f32; N_EXTENTS]> {
     let points_m = finite(cloud);
     let points_m: Vec<[f64; 3]> = points_m.into_iter().map(|it| it.map(f64::from)).collect();
@@ -31,7 +31,7 @@ pub fn pca_values(cloud: &PointCloud) -> Option<[f32; N_PCA_FEATURES]> {
     PcaDescriber::default().describe(&bounding_box, points_m.into_iter())
 }
 
-/// The values of our vehicle model, of an object that stands alone; `None` without points.
+/// The values of our vehicle model for an object without surroundings; `None` without points.
 pub fn vehicle_values(cloud: &PointCloud) -> Option<[f32; N_VEHICLE_VALUES]> {
     let points_m = finite(cloud);
     let bounding_box = ObjectBox::ConvexHull.around(&points_m)?;

@@ -1,4 +1,4 @@
-//! What a detector found, after all checks.
+//! The answer of a detector to a scan, after all checks.
 
 use detector::OrientedBox;
 use reports::vocabulary::class::AnnotationClass;
@@ -6,9 +6,9 @@ use scans::dataset::class_table::class_of_word;
 
 use super::message::{MOST_BOXES, ResultLine};
 
-/// No object is larger, in metres.
+/// Longest side of an object, in metres.
 const LONGEST_SIDE_M: f32 = 1000.0;
-/// No object is farther from the sensor, in metres along an axis.
+/// Greatest distance of an object from the sensor, in metres along an axis.
 const FARTHEST_M: f32 = 10_000.0;
 /// Numbers of a box.
 const NUMBERS_OF_BOX: usize = 7;
@@ -17,28 +17,28 @@ const MOST_PRODUCTS: usize = 32;
 /// Longest name of a stage or product.
 const LONGEST_NAME: usize = 60;
 
-/// What a detector found in a scan.
+/// Detections of a detector in a scan, with its stages and products.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Found {
     /// For every point its cluster, 0 for none.
     pub clusters: Option<Vec<u32>>,
     /// Boxes in the frame of the scan; of clusters 1, 2, … if there are clusters.
     pub boxes: Vec<OrientedBox>,
-    /// Of every detection.
+    /// Score of every detection.
     pub scores: Option<Vec<f32>>,
-    /// Of the box of every detection, where it has one.
+    /// Score of the box of every detection, if it has one.
     pub box_scores: Vec<Option<f32>>,
-    /// Boxes that are no detections, each with its score: what may be a vehicle, and is used only where boxes are ranked.
+    /// Boxes that are no detections, each with its score: unlikely vehicles, used only where boxes are ranked.
     pub ranked: Vec<(OrientedBox, f32)>,
-    /// Of every detection; `None` where the detector predicts none.
+    /// Class of every detection; `None` where the detector predicts none.
     pub classes: Vec<Option<AnnotationClass>>,
     /// Stages and their times in milliseconds, as reported.
     pub stages: Vec<(String, f64)>,
-    /// Names and values of the points, one for each.
+    /// Products: their names, and their values, one for each point.
     pub products: Vec<(String, Vec<u8>)>,
 }
 
-/// How long the payload of a result is, as far as the line says it.
+/// Lengths in bytes of the parts of a payload, as far as the line determines them.
 struct Parts {
     ids: usize,
     boxes: usize,
@@ -51,7 +51,7 @@ impl Found {
     ///
     /// # Errors
     ///
-    /// What is wrong with it, as the rest of a sentence.
+    /// The problem, as the rest of a sentence.
     pub fn check_line(line: &ResultLine, n_payload_bytes: usize, n_points: usize) -> Result<(), String> {
         for (name, n_boxes) in [("n_boxes", line.n_boxes), ("ranked", line.ranked)] {
             if n_boxes > MOST_BOXES {
@@ -77,7 +77,7 @@ impl Found {
         }
         let parts = Parts::of(line, n_points);
         let least = parts.ids + parts.boxes + parts.ranked + parts.products;
-        // With clusters alone, as many scores as there are clusters, which are not more than points.
+        // Without boxes there are as many scores as clusters, which are not more than points.
         let n_kinds = usize::from(line.scores) + usize::from(line.box_scores);
         let is_open = n_kinds > 0 && line.clusters && line.n_boxes == 0;
         let most_scores = 4 * n_kinds * if is_open { n_points } else { line.n_boxes };
@@ -101,11 +101,11 @@ impl Found {
         ))
     }
 
-    /// Of a line that has been [checked](Self::check_line), and its payload.
+    /// Reads the payload of a line that has been [checked](Self::check_line).
     ///
     /// # Errors
     ///
-    /// What is wrong with it, as the rest of a sentence.
+    /// The problem, as the rest of a sentence.
     pub fn read(line: &ResultLine, payload: &[u8], n_points: usize) -> Result<Self, String> {
         let parts = Parts::of(line, n_points);
         let (ids, rest) = payload.split_at(parts.ids);
@@ -164,7 +164,7 @@ fn words(bytes: &[u8]) -> impl Iterator<Item = [u8; 4]> {
     bytes.as_chunks::<4>().0.iter().copied()
 }
 
-/// Scores, of each `what` one.
+/// Scores, one for each `what`.
 fn finite(what: &str, bytes: &[u8]) -> Result<Vec<f32>, String> {
     let scores: Vec<f32> = words(bytes).map(f32::from_le_bytes).collect();
     match scores.iter().enumerate().find(|(_, it)| !it.is_finite()) {
@@ -193,7 +193,7 @@ fn box_of(bytes: &[u8]) -> Result<OrientedBox, String> {
     } else if !center_m.iter().all(|it| it.abs() <= FARTHEST_M) {
         format!("the centre {center_m:?} m, more than {FARTHEST_M} from the sensor")
     } else {
-        // Any turn will do; that of a file lies within one.
+        // Any yaw is allowed; larger ones are reduced to one turn.
         let yaw_rad = if yaw_rad.abs() <= std::f32::consts::TAU {
             yaw_rad
         } else {
@@ -204,7 +204,7 @@ fn box_of(bytes: &[u8]) -> Result<OrientedBox, String> {
     Err(problem)
 }
 
-/// Detections that clusters and boxes make.
+/// Number of detections that clusters and boxes make.
 fn n_detections(clusters: Option<&[u32]>, n_boxes: usize) -> Result<usize, String> {
     let Some(clusters) = clusters else { return Ok(n_boxes) };
     if n_boxes == 0 {

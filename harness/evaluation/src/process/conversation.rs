@@ -1,4 +1,4 @@
-//! What is said to a detector, and what it answers.
+//! Messages to a detector and its answers.
 
 use std::time::{Duration, Instant};
 
@@ -14,12 +14,12 @@ use super::problem::{DetectorProblem, Ending};
 use super::program::{Program, StartedProgram};
 use super::shared_cloud::SharedCloud;
 
-/// For the first scan, unless more is allowed for each.
+/// Time limit for the first scan, unless the limit for each scan is longer.
 pub const FIRST_SCAN_LIMIT: Duration = Duration::from_mins(1);
-/// Room for this many points at least, so that few scans need more.
+/// Least number of points to have room for, so that few scans need more.
 const LEAST_ROOM: usize = 1 << 17;
 
-/// A detector that has its configuration.
+/// A running detector with its configuration.
 pub struct Conversation {
     program: Program,
     shared: SharedCloud,
@@ -28,23 +28,23 @@ pub struct Conversation {
     introduction: Introduction,
     number: u64,
     is_configured: bool,
-    // Whose points are in the shared memory, and where.
+    // The scan in the shared memory, with the positions of its columns.
     written: Option<(ScanId, AskedScan)>,
     payload: Vec<u8>,
 }
 
-/// What a detector found, and the time it took.
+/// Answer of a detector, and the time it took.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Answered {
-    /// What it found.
+    /// Its detections.
     pub found: Found,
-    /// From before `scan` was sent until the last byte of the answer was there.
+    /// Time from before `scan` was sent until the last byte of the answer was read.
     pub wall: Duration,
-    /// Time on processors meanwhile, where the system reports it.
+    /// Time on processors meanwhile, if the system reports it.
     pub cpu: Option<Duration>,
 }
 
-/// A problem with the last words of the detector, which is gone.
+/// A problem, and the last words of the detector, which has ended.
 pub type Goodbye = (DetectorProblem, Vec<String>);
 
 impl Conversation {
@@ -52,7 +52,7 @@ impl Conversation {
     ///
     /// # Errors
     ///
-    /// Why it cannot work; it is gone then.
+    /// Why it cannot work; the detector has ended then.
     pub fn begin(
         start: &StartedProgram,
         configuration: &Configuration,
@@ -84,12 +84,12 @@ impl Conversation {
         }
     }
 
-    /// What the detector says of itself.
+    /// How the detector introduces itself.
     pub fn introduction(&self) -> &Introduction {
         &self.introduction
     }
 
-    /// Whether it has `configuration`, wherever the scans may be.
+    /// Whether it has `configuration`, apart from the shared memory.
     pub fn has(&self, configuration: &Configuration) -> bool {
         let Configuration { max_points, shared_memory, .. } = self.configuration.clone();
         self.configuration == Configuration { max_points, shared_memory, ..configuration.clone() }
@@ -99,7 +99,7 @@ impl Conversation {
     ///
     /// # Errors
     ///
-    /// If it does not take it.
+    /// If the detector does not accept it.
     pub fn configure_anew(&mut self, configuration: &Configuration) -> Result<(), DetectorProblem> {
         let room = self.shared.max_points();
         self.shared = SharedCloud::with_room(room).map_err(|it| DetectorProblem::Machine(it.to_string()))?;
@@ -111,7 +111,7 @@ impl Conversation {
     ///
     /// # Errors
     ///
-    /// What went wrong. The detector can be asked again only after [`DetectorProblem::Reported`].
+    /// The problem. The detector can be asked again only after [`DetectorProblem::Reported`].
     pub fn ask(
         &mut self,
         scan: &LabeledScan,
@@ -149,7 +149,7 @@ impl Conversation {
         Ok(Answered { found, wall, cpu })
     }
 
-    /// Asks it to end. Returns what should not have been.
+    /// Asks it to end. Returns warnings.
     pub fn quit(self) -> Vec<String> {
         self.program.quit()
     }
@@ -164,7 +164,7 @@ impl Conversation {
         goodbye(self.program, problem)
     }
 
-    /// The line that asks for a scan, whose points are in the shared memory then.
+    /// The line that asks for a scan. Writes its points to the shared memory, unless they are there already.
     fn question(&mut self, scan: &LabeledScan, time_s: f64) -> Result<Vec<u8>, DetectorProblem> {
         self.number += 1;
         let asked = match self.written.take() {
@@ -252,7 +252,7 @@ fn say(program: &mut Program, line: &[u8], deadline: Instant) -> Result<(), Dete
     })
 }
 
-/// The answer to the message `to`, and how many bytes follow. One that is an error is returned as such.
+/// The answer to the message `to`, and how many bytes follow. An answer that is an error is returned as an error.
 fn read_answer(
     program: &mut Program,
     to: &'static str,

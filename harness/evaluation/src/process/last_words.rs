@@ -9,19 +9,19 @@ use std::time::{Duration, Instant};
 
 use rustix::event::{PollFd, PollFlags, poll};
 
-/// Lines that are kept.
+/// Most lines that are kept.
 const MOST_LINES: usize = 20;
-/// Of each line this many bytes.
+/// Most bytes of a line.
 const MOST_LINE_BYTES: usize = 400;
-/// How long is waited for the last of them: whoever the detector left behind may hold the pipe for ever.
+/// Longest wait for the last lines: a process that the detector left behind may hold the pipe for ever.
 const LONGEST_WAIT: Duration = Duration::from_secs(1);
 
-/// Reads what is printed, on a thread of its own, and keeps the end.
+/// Reads the printed lines on a thread of its own, and keeps the last ones.
 #[derive(Debug)]
 pub struct LastWords {
     kept: Arc<Mutex<Kept>>,
     is_read: Receiver<()>,
-    // The same pipe, to ask whether anything is left in it.
+    // Another descriptor of the pipe, to ask whether anything is left in it.
     pipe: Option<OwnedFd>,
 }
 
@@ -32,7 +32,7 @@ struct Kept {
 }
 
 impl LastWords {
-    /// Begins to read. Lines that begin with `token` are those of the [supervisor](super::supervisor).
+    /// Begins to read. Lines that begin with `token` are from the [supervisor](super::supervisor).
     pub fn of(printed: impl Read + AsFd + Send + 'static, token: String) -> Self {
         let pipe = printed.as_fd().try_clone_to_owned().ok();
         let kept = Arc::new(Mutex::new(Kept::default()));
@@ -47,17 +47,17 @@ impl LastWords {
         Self { kept, is_read, pipe }
     }
 
-    /// Up to twenty lines, the last one last. Whoever has just ended has said all of it once [`Self::wait`] returns.
+    /// Up to twenty lines, the last one last. If the detector has just ended, they are complete once [`Self::wait`] returns.
     pub fn lines(&self) -> Vec<String> {
         self.kept.lock().unwrap_or_else(PoisonError::into_inner).lines.iter().cloned().collect()
     }
 
-    /// What the supervisor says about its end.
+    /// Lines of the supervisor about the end of the detector.
     pub fn of_supervisor(&self) -> Vec<String> {
         self.kept.lock().unwrap_or_else(PoisonError::into_inner).of_supervisor.clone()
     }
 
-    /// Waits until all is read that was printed before, a second at most.
+    /// Waits until all that was printed before is read, a second at most.
     pub fn catch_up(&self) {
         let ends = Instant::now() + LONGEST_WAIT;
         while self.is_behind() && Instant::now() < ends {
@@ -70,7 +70,7 @@ impl LastWords {
         self.pipe.as_ref().is_some_and(|it| rustix::io::ioctl_fionread(it).is_ok_and(|n_left| n_left > 0))
     }
 
-    /// Waits until nobody can print any more, a second at most.
+    /// Waits until no process can print any more, a second at most.
     pub fn wait(&self) {
         let _ = self.is_read.recv_timeout(LONGEST_WAIT);
     }
@@ -80,7 +80,7 @@ fn keep(mut printed: impl Read + AsFd, token: &str, kept: &Mutex<Kept>) {
     let (mut line, mut bytes) = (Vec::new(), [0; 4096]);
     loop {
         let waited = poll(&mut [PollFd::new(&printed, PollFlags::IN)], None);
-        // What is taken from the pipe is kept before anybody looks: an empty pipe means that all is kept.
+        // Bytes are read and kept under the lock of `is_behind`: an empty pipe means that all is kept.
         let mut kept = kept.lock().unwrap_or_else(PoisonError::into_inner);
         let n_read = match waited.map_err(Into::into).and_then(|_| printed.read(&mut bytes)) {
             Ok(n_read) => n_read,
@@ -117,7 +117,7 @@ impl Kept {
     }
 }
 
-/// Without what could draw on the user's terminal.
+/// Without control characters that could draw on the user's terminal.
 fn printable(text: &str) -> String {
     text.chars().map(|it| if it.is_control() && it != '\t' { '\u{fffd}' } else { it }).collect()
 }

@@ -11,34 +11,34 @@ pub const RANKED: &str = "ranked";
 /// Most boxes of an answer.
 pub const MOST_BOXES: usize = scans::foreign::detections::MAX_BOXES;
 
-/// From the host to the detector.
+/// A message from the host to the detector.
 #[derive(Debug, Clone, Serialize, Deserialize)]
 #[serde(tag = "message", rename_all = "lowercase")]
 pub enum Question {
-    /// The first.
+    /// The first message.
     Hello {
         /// Version of the protocol.
         protocol: u32,
         /// Name and version of this program.
         program: String,
-        /// What answers may have beyond the first version of the protocol.
+        /// Extensions of the first version of the protocol that answers may use.
         #[serde(default, skip_serializing_if = "Vec::is_empty")]
         extensions: Vec<String>,
     },
-    /// What it is to work with.
+    /// The configuration to use.
     Configure(Configuration),
-    /// A scan to look at.
+    /// A scan in which to detect objects.
     Scan(AskedScan),
-    /// It is to end.
+    /// The detector has to end.
     Quit,
 }
 
-/// What a detector works with.
+/// Configuration of a detector.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Configuration {
     /// Id of the data set.
     pub dataset: String,
-    /// The sensor, where it is known.
+    /// The sensor, if known.
     pub sensor: Option<String>,
     /// Height of the sensor above the ground, in metres.
     pub sensor_height_m: Option<f32>,
@@ -55,7 +55,7 @@ pub struct Configuration {
 /// A scan in the shared memory.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct AskedScan {
-    /// Given back in the answer.
+    /// Repeated in the answer.
     pub number: u64,
     /// Drive, slash, scan.
     pub name: String,
@@ -70,16 +70,16 @@ pub struct AskedScan {
 /// A column of the points.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Column {
-    /// What it holds.
+    /// Its quantity, such as `x_m`.
     pub name: String,
-    /// Its numbers.
+    /// Type of its numbers.
     #[serde(rename = "type")]
     pub kind: String,
     /// Where it begins, in bytes.
     pub offset: usize,
 }
 
-/// From the detector to the host.
+/// A message from the detector to the host.
 #[derive(Debug, Clone, Serialize, Deserialize)]
 #[serde(tag = "message", rename_all = "lowercase")]
 pub enum Answer {
@@ -96,22 +96,22 @@ pub enum Answer {
     },
 }
 
-/// What a detector says of itself.
+/// How a detector introduces itself.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Introduction {
     /// Version of the protocol.
     pub protocol: u32,
-    /// What it calls itself.
+    /// Its name.
     pub name: String,
     /// Its version.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub version: Option<String>,
 }
 
-/// What it found, but for the payload.
+/// A result without its payload.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 pub struct ResultLine {
-    /// That of the scan.
+    /// Number of the scan.
     pub number: u64,
     /// The payload has a cluster id for each point.
     #[serde(default)]
@@ -131,10 +131,10 @@ pub struct ResultLine {
     /// The class of each detection; all `None` if absent.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub classes: Option<Vec<Option<String>>>,
-    /// Times that it took itself.
+    /// Stage times that the detector measured.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub stages: Vec<ReportedStage>,
-    /// What is drawn beside the detections.
+    /// Products that are drawn beside the detections.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub products: Vec<ProductLine>,
 }
@@ -158,14 +158,14 @@ pub struct ReportedStage {
     pub ms: f64,
 }
 
-/// What a product is.
+/// Description of a product.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 pub struct ProductLine {
     /// Its name.
     pub name: String,
     /// How it is drawn.
     pub kind: String,
-    /// Its numbers.
+    /// Type of its numbers.
     #[serde(rename = "type")]
     pub value: String,
 }
@@ -189,7 +189,7 @@ pub fn line_of<M: Serialize>(message: &M, n_payload_bytes: usize) -> Result<Vec<
 ///
 /// # Errors
 ///
-/// What is wrong with it.
+/// The problem with the line.
 pub fn parse_line<M: for<'a> Deserialize<'a>>(line: &[u8]) -> Result<(M, usize), String> {
     let value: serde_json::Value =
         serde_json::from_slice(line).map_err(|error| format!("a line is not JSON: {error}"))?;

@@ -10,9 +10,10 @@ use rustix::io::Errno;
 
 use super::message::MOST_LINE_BYTES;
 
-/// Bytes that are read at once.
+/// Most bytes that are read at once.
 const CHUNK_BYTES: usize = 1 << 18;
-/// What a pipe is asked to hold, so that an answer need not be taken bit by bit. The usual limit of unprivileged users.
+/// Requested capacity of a pipe in bytes, so that an answer is not read in small pieces. The usual limit of unprivileged
+/// users.
 const PIPE_BYTES: usize = 1 << 20;
 
 /// Our ends of the pipes to and from a detector.
@@ -20,7 +21,7 @@ const PIPE_BYTES: usize = 1 << 20;
 pub struct Pipe {
     to: Option<OwnedFd>,
     from: OwnedFd,
-    // Read, and not asked for yet.
+    // Bytes read from the pipe, but not returned yet.
     buffer: Vec<u8>,
     chunk: Vec<u8>,
 }
@@ -28,27 +29,27 @@ pub struct Pipe {
 /// Why a message did not get through.
 #[derive(Debug)]
 pub enum PipeError {
-    /// Nobody is at the other end.
+    /// The other end is closed.
     Closed,
-    /// Not in time.
+    /// It took too long.
     TimedOut,
-    /// A line does not end.
+    /// A line is too long.
     EndlessLine,
     /// The operating system refuses.
     Io(io::Error),
 }
 
 impl Pipe {
-    /// Of the ends that are written to and read from.
+    /// A pipe that writes to the end `to` and reads from the end `from`.
     ///
     /// # Errors
     ///
-    /// If the operating system does not let them be used without waiting.
+    /// If the operating system cannot make the ends non-blocking.
     pub fn new(to: OwnedFd, from: OwnedFd) -> io::Result<Self> {
         for end in [&to, &from] {
             let flags = rustix::fs::fcntl_getfl(end)?;
             rustix::fs::fcntl_setfl(end, flags | OFlags::NONBLOCK)?;
-            // It works with smaller ones as well.
+            // Smaller pipes work, too.
             let _ = rustix::pipe::fcntl_setpipe_size(end, PIPE_BYTES);
         }
         Ok(Self { to: Some(to), from, buffer: Vec::new(), chunk: vec![0; CHUNK_BYTES] })
@@ -111,14 +112,14 @@ impl Pipe {
         payload.extend(self.buffer.drain(..n_taken));
         let mut n_there = payload.len();
         payload.resize(n_there + n_bytes - n_taken, 0);
-        // Straight to where it belongs: the clock runs.
+        // Read directly into `payload`: the clock runs.
         while n_there < payload.len() {
             n_there += read_some(&self.from, &mut payload[n_there..], deadline)?;
         }
         Ok(())
     }
 
-    /// Whether something waits to be read that nobody has asked for, or the other end is closed.
+    /// Whether there are bytes to read that answer no question, or the other end is closed.
     pub fn has_more(&self) -> bool {
         let mut ends = [PollFd::new(&self.from, PollFlags::IN)];
         let is_ready = poll(&mut ends, Some(&Timespec::default())).is_ok_and(|n_ready| n_ready > 0);
@@ -130,7 +131,7 @@ impl Pipe {
         self.buffer.is_empty() && matches!(self.read_more(Instant::now()), Err(PipeError::Closed))
     }
 
-    /// Nothing more is written.
+    /// Closes the end that is written to.
     pub fn close(&mut self) {
         self.to = None;
     }
@@ -142,7 +143,7 @@ impl Pipe {
     }
 }
 
-/// Reads at least a byte to the begin of `buffer`, and says how many.
+/// Reads at least a byte to the beginning of `buffer`. Returns the number of bytes.
 fn read_some(from: &OwnedFd, buffer: &mut [u8], deadline: Instant) -> Result<usize, PipeError> {
     loop {
         match rustix::io::read(from, &mut *buffer) {
@@ -176,7 +177,7 @@ mod tests {
     use super::*;
     use std::io::Write as _;
 
-    /// Our ends, and the other ones: what is written there is read here.
+    /// Our ends, and the other ends: a file to write to, and a descriptor to read from.
     fn pipe() -> (Pipe, std::fs::File, OwnedFd) {
         let (theirs, to) = rustix::pipe::pipe().unwrap();
         let (from, written) = rustix::pipe::pipe().unwrap();
@@ -215,7 +216,7 @@ mod tests {
         let deaf = pipe.write(&vec![0; 4 * PIPE_BYTES], soon());
         assert!(matches!(deaf, Err(PipeError::TimedOut)), "{deaf:?}");
         drop(pipe);
-        // Whether or not somebody has read the last byte.
+        // It may fail or not: the last byte may have been read or not.
         let _ = writer.join().unwrap();
     }
 }

@@ -1,22 +1,22 @@
-//! What can go wrong with a detector that is not our own.
+//! Problems of a foreign detector.
 
 use std::fmt;
 use std::time::Duration;
 
 use reports::files::shown_text::shown;
 
-/// What went wrong.
+/// The problem.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 pub enum DetectorProblem {
     /// It ended, crashed, or closed the pipe.
     #[error("it {0}")]
     Ended(Ending),
-    /// It took too long.
+    /// It did not answer in time.
     #[error("it gave no whole answer to {to} within {} s ({})", .limit.as_secs_f64(), limit_name(to))]
     Silent {
-        /// The message that was not answered.
+        /// Name of the message that was not answered.
         to: &'static str,
-        /// How long was waited.
+        /// The time limit.
         limit: Duration,
     },
     /// It does not take messages.
@@ -31,15 +31,15 @@ pub enum DetectorProblem {
     /// Its results, which it left in files, cannot be read.
     #[error("its results cannot be read: {0}")]
     Unreadable(String),
-    /// Its results ask for something that the user has not said, such as what a class is.
+    /// Its results need information that the user has not given, such as the meaning of a class name.
     #[error("its results cannot be used: {0}")]
     Unusable(String),
-    /// The machine did not let us speak to it.
+    /// The machine prevents us from asking it.
     #[error("{0}")]
     Machine(String),
 }
 
-/// What a time limit is called in a configuration.
+/// Name of the time limit of the message `to` in a configuration.
 fn limit_name(to: &str) -> &'static str {
     if to == "scan" { "time_limit_s, or a minute for the first scan" } else { "start_limit_s" }
 }
@@ -51,9 +51,9 @@ pub enum Ending {
     Exit(i32),
     /// By a signal.
     Signal(i32),
-    /// It never began, for this reason.
+    /// It could not be started, for this reason.
     NeverBegan(String),
-    /// Only its pipe is closed, or nobody knows.
+    /// Its pipe is closed; nothing else is known.
     ClosedPipe,
 }
 
@@ -68,18 +68,18 @@ impl fmt::Display for Ending {
     }
 }
 
-/// A problem, with whose it is and when.
+/// A problem of a detector at a scan.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct DetectorFailure {
     /// Name of the detector.
     pub detector: String,
     /// The scan it was asked for; `None` before the first.
     pub scan: Option<String>,
-    /// What went wrong.
+    /// The problem.
     pub problem: DetectorProblem,
     /// The last lines that it printed.
     pub last_words: Vec<String>,
-    /// Whether it makes no sense to ask it for further scans.
+    /// Whether it must not be asked for further scans.
     pub is_final: bool,
 }
 

@@ -6,7 +6,7 @@ use nix::sys::time::TimeValLike as _;
 use nix::time::clock_getcpuclockid;
 use nix::unistd::{Pid, SysconfVar, sysconf};
 
-/// All that `pid` has started, directly or not, and that has not been waited for.
+/// All processes that `pid` has started, directly or indirectly, and that have not been waited for.
 pub fn descendants(pid: u32) -> Vec<u32> {
     let mut found = children(pid);
     let mut n_seen = 0;
@@ -17,7 +17,7 @@ pub fn descendants(pid: u32) -> Vec<u32> {
     found
 }
 
-/// What `pid` has started and not waited for. A process started by a thread is one of that thread.
+/// Child processes of `pid` that it has not waited for, those of all its threads.
 pub fn children(pid: u32) -> Vec<u32> {
     let Ok(threads) = std::fs::read_dir(format!("/proc/{pid}/task")) else { return Vec::new() };
     let lists = threads.flatten().filter_map(|it| std::fs::read_to_string(it.path().join("children")).ok());
@@ -26,14 +26,14 @@ pub fn children(pid: u32) -> Vec<u32> {
         .collect()
 }
 
-/// Time on processors, user and system, of these processes. It is exact to the nanosecond for processes that run, and to the
+/// Time on processors, user and system, of these processes. It is exact to the nanosecond for running processes, and to the
 /// tick of the system for children that have ended and been waited for. `None` if the system does not report it.
 pub fn cpu_time_of(pids: &[u32]) -> Option<Duration> {
     let ticks_per_s = sysconf(SysconfVar::CLK_TCK).ok()??;
     let mut sum = Duration::ZERO;
     let mut is_known = false;
     for &pid in pids {
-        // It may have ended meanwhile.
+        // The process may have ended meanwhile.
         let clock = clock_getcpuclockid(Pid::from_raw(pid as i32)).ok();
         let Some(time) = clock.and_then(|it| it.now().ok()) else { continue };
         is_known = true;
@@ -44,17 +44,17 @@ pub fn cpu_time_of(pids: &[u32]) -> Option<Duration> {
     is_known.then_some(sum)
 }
 
-/// When a process started, in ticks since the machine did; `None` if it is gone.
+/// Start of a process, in ticks since the machine started; `None` if the process is gone.
 pub fn start_of(pid: u32) -> Option<u64> {
     field_of(pid, 22)
 }
 
-/// `cutime` and `cstime`.
+/// Sum of `cutime` and `cstime`.
 fn ticks_of_ended_children(pid: u32) -> Option<u64> {
     Some(field_of(pid, 16)? + field_of(pid, 17)?)
 }
 
-/// A number of `/proc/PID/stat`, by its index in the manual, which begins with 1.
+/// A number of `/proc/PID/stat`, by its index in the manual, from 1.
 fn field_of(pid: u32, index: usize) -> Option<u64> {
     let stat = std::fs::read_to_string(format!("/proc/{pid}/stat")).ok()?;
     // The name of the program may hold anything; the fields behind it begin with the third.

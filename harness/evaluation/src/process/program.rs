@@ -16,14 +16,14 @@ use super::problem::Ending;
 use super::processes::{cpu_time_of, descendants, start_of};
 use super::supervisor::{CANNOT_START, EXIT, READ_FD, SIGNAL, TOKEN, WARNING, WRITE_FD};
 
-/// The verb of this program that makes it the supervisor of the command that follows.
+/// The verb with which this program supervises the command that follows.
 pub const SUPERVISE: &str = "supervise";
 
 /// Libraries that take their number of threads from the environment.
 const THREAD_VARIABLES: [&str; 3] = ["OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"];
-/// How long a detector has to end once it is asked to.
+/// Time for a detector to end once it is asked to.
 const GRACE: Duration = Duration::from_secs(2);
-/// How long a supervisor has to clean up.
+/// Time for a supervisor to clean up.
 const LONGEST_CLEANING: Duration = Duration::from_secs(4);
 
 /// How a detector is started.
@@ -31,11 +31,11 @@ const LONGEST_CLEANING: Duration = Duration::from_secs(4);
 pub struct StartedProgram {
     /// The program and its arguments.
     pub command: Vec<String>,
-    /// Where it works.
+    /// Its working folder.
     pub folder: PathBuf,
     /// How many threads it should use at most.
     pub threads: u32,
-    /// How long it may take until it can be asked.
+    /// Time limit for its start.
     pub start_limit: Duration,
 }
 
@@ -43,11 +43,11 @@ pub struct StartedProgram {
 #[derive(Debug)]
 pub struct Program {
     supervisor: Child,
-    /// Through which it is spoken to.
+    /// Pipe for its messages.
     pub pipe: Pipe,
     words: LastWords,
     status: Option<ExitStatus>,
-    // Of the detector, as they were last seen, with when they started: numbers are given again.
+    // Last known processes of the detector, with their start times, as process ids are used again.
     processes: Vec<(u32, Option<u64>)>,
 }
 
@@ -76,7 +76,7 @@ impl StartedProgram {
         command.stdin(theirs_to_read).stdout(theirs_to_write).stderr(Stdio::piped());
         // Ctrl-C on the terminal is for us alone.
         let mut supervisor = command.process_group(0).spawn()?;
-        // It holds their ends of the pipes, which nobody else may.
+        // Only the child may hold its ends of the pipes; `command` has them, too.
         drop(command);
         let printed = supervisor.stderr.take().ok_or(io::ErrorKind::BrokenPipe)?;
         Ok(Program {
@@ -89,7 +89,8 @@ impl StartedProgram {
     }
 }
 
-/// A script that judges itself while it is imported as a detector would be started by its own runs, without end.
+/// Refuses to start a detector from a detector: a script that benchmarks itself while it is imported would start itself
+/// without end.
 fn refuse_nesting() -> io::Result<()> {
     if [READ_FD, WRITE_FD].iter().any(|it| std::env::var_os(it).is_none()) {
         return Ok(());
@@ -101,20 +102,20 @@ fn refuse_nesting() -> io::Result<()> {
 }
 
 impl Program {
-    /// Time on processors of it and all that it has started.
+    /// Time on processors of the detector and all processes that it has started; `None` if the system does not report it.
     pub fn cpu_time(&mut self) -> Option<Duration> {
         let processes = descendants(self.supervisor.id());
         self.processes = processes.iter().map(|&pid| (pid, start_of(pid))).collect();
         cpu_time_of(&processes)
     }
 
-    /// The last lines that it printed so far.
+    /// The last lines that the detector has printed so far.
     pub fn last_words(&self) -> Vec<String> {
         self.words.catch_up();
         self.words.lines()
     }
 
-    /// Asks it to end, and sees to it. Returns what should not have been.
+    /// Asks it to end, and kills it if it does not. Returns warnings.
     pub fn quit(mut self) -> Vec<String> {
         let mut warnings = Vec::new();
         if self.pipe.has_more() && !self.pipe.is_closed() {
@@ -136,7 +137,7 @@ impl Program {
 
     /// Ends it, if it has not ended, and returns how it ended and its last words.
     pub fn end(mut self) -> (Ending, Vec<String>) {
-        // Whoever closes the pipe may be about to end.
+        // A detector that has closed its pipe may be about to end.
         let has_ended = self.wait(Duration::from_millis(500)).is_some();
         self.kill();
         self.words.wait();
@@ -145,7 +146,7 @@ impl Program {
         (ending, self.words.lines())
     }
 
-    /// Kills it.
+    /// Kills it. Returns its last words.
     pub fn kill_with_last_words(mut self) -> Vec<String> {
         self.kill();
         self.words.wait();
@@ -165,7 +166,7 @@ impl Program {
         self.kill_orphans();
     }
 
-    /// Kills what a supervisor left behind that was itself killed, by whomever.
+    /// Kills the processes that a supervisor left behind because it was killed itself.
     fn kill_orphans(&mut self) {
         let is_clean = self.status.is_some_and(|it| it.success());
         for (pid, start) in std::mem::take(&mut self.processes) {
@@ -176,7 +177,7 @@ impl Program {
         }
     }
 
-    /// Waits for its end, this long at most.
+    /// Waits for the end of the supervisor, this long at most.
     fn wait(&mut self, longest: Duration) -> Option<ExitStatus> {
         let ends = Instant::now() + longest;
         loop {
@@ -191,7 +192,7 @@ impl Program {
     }
 }
 
-/// What a line of the supervisor says about the end of the detector; `None` if it is about something else.
+/// The end of the detector according to a line of the supervisor; `None` if the line is about something else.
 fn ending_in(line: &str) -> Option<Ending> {
     let number = |prefix: &str| line.strip_prefix(prefix)?.parse().ok();
     let of_exit = number(EXIT).map(Ending::Exit);

@@ -10,7 +10,7 @@ use detector::PointCloud;
 
 use super::message::AskedScan;
 
-/// Columns that our detectors read; those without it have no intensity.
+/// Columns that our detectors read. The intensity may be missing.
 const COLUMNS: [&str; 4] = ["x_m", "y_m", "z_m", INTENSITY];
 const INTENSITY: &str = "intensity";
 
@@ -41,11 +41,11 @@ impl ReceivedCloud {
             values.resize(asked.n_points, 0.0);
             match asked.columns.iter().find(|it| it.name == name) {
                 Some(column) => {
-                    // Straight to where they belong: the clock runs.
+                    // Read directly into the column: the clock runs.
                     let bytes = bytemuck::cast_slice_mut(values);
                     let read = self.memory.read_exact_at(bytes, column.offset as u64);
                     read.map_err(|error| format!("{name} cannot be read: {error}"))?;
-                    // Nothing where processors are little-endian.
+                    // Changes nothing on little-endian processors.
                     for value in values.iter_mut() {
                         *value = f32::from_bits(u32::from_le(value.to_bits()));
                     }

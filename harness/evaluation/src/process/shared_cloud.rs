@@ -1,4 +1,4 @@
-//! The points of a scan in a file in memory that detectors map.
+//! The points of a scan in a file in shared memory that detectors map.
 
 use std::fs::{File, OpenOptions};
 use std::io;
@@ -15,7 +15,7 @@ use super::message::Column;
 const ALIGNMENT: usize = 64;
 /// Most columns of a cloud, of at most four bytes each.
 const MOST_COLUMNS: usize = 6;
-/// Where files live in memory; elsewhere they are ordinary ones.
+/// Folder of files in memory; where it is missing, ordinary temporary files are used.
 const IN_MEMORY: &str = "/dev/shm";
 
 static N_FILES: AtomicU32 = AtomicU32::new(0);
@@ -33,7 +33,7 @@ impl SharedCloud {
     ///
     /// # Errors
     ///
-    /// If there is not as much memory.
+    /// If there is not enough memory.
     pub fn with_room(max_points: usize) -> io::Result<Self> {
         let folder =
             if Path::new(IN_MEMORY).is_dir() { PathBuf::from(IN_MEMORY) } else { std::env::temp_dir() };
@@ -47,24 +47,24 @@ impl SharedCloud {
         Ok(shared)
     }
 
-    /// No scan may have more points.
+    /// Most points of a scan that it has room for.
     pub fn max_points(&self) -> usize {
         self.max_points
     }
 
-    /// Where it is; `None` once it has been [hidden](Self::hide).
+    /// Path of the file; `None` once it has been [hidden](Self::hide).
     pub fn path(&self) -> Option<&Path> {
         self.name.as_ref().map(|(path, _)| path.as_path())
     }
 
-    /// Takes its name away: who has mapped it keeps it, and nothing is left behind.
+    /// Removes the name of the file: processes that have mapped it keep it, and nothing is left behind.
     pub fn hide(&mut self) {
         if let Some((path, entry)) = self.name.take() {
             let _ = entry.undisturbed(|| std::fs::remove_file(path));
         }
     }
 
-    /// Writes the points of `cloud`, and says where.
+    /// Writes the points of `cloud`. Returns the columns with their positions.
     ///
     /// # Errors
     ///
@@ -83,7 +83,7 @@ impl SharedCloud {
         Ok(written)
     }
 
-    /// Writes the next column, `(name, type)`, behind those that are `written`.
+    /// Writes the next column, called `name` and of the type `kind`, after those that are `written`.
     fn write_column<const N: usize>(
         &mut self,
         name: &str,
@@ -91,7 +91,7 @@ impl SharedCloud {
         values: impl ExactSizeIterator<Item = [u8; N]>,
         written: &mut Vec<Column>,
     ) -> io::Result<()> {
-        // As if all had four bytes: only the last ones have fewer.
+        // As if all values had four bytes: only those of the last column have fewer.
         let offset = written.len() * column_bytes(values.len());
         self.bytes.clear();
         self.bytes.extend(values.flatten());
@@ -107,7 +107,7 @@ impl Drop for SharedCloud {
     }
 }
 
-/// What to do where memory for points is short: containers have little.
+/// Adds advice to errors for lack of shared memory, of which containers have little.
 fn about_memory(error: io::Error) -> io::Error {
     if error.kind() != io::ErrorKind::StorageFull {
         return error;

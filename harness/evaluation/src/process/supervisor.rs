@@ -1,7 +1,7 @@
-//! Stands between us and a detector, so that nothing of it is left behind, whatever ends us.
+//! Supervisor of a detector, so that no process of it is left behind, whatever ends us.
 //!
-//! It is a process of its own that starts the detector, inherits whatever that leaves behind, and kills all of it once the
-//! detector has ended, once we ask for it, or once we are gone.
+//! It is a process of its own that starts the detector, inherits the processes that the detector leaves behind, and kills
+//! all of them once the detector has ended, once we ask for it, or once we are gone.
 
 use std::io::{self, Write as _};
 use std::os::fd::{AsFd, AsRawFd as _, BorrowedFd};
@@ -17,19 +17,20 @@ use signal_hook::consts::{SIGHUP, SIGINT, SIGTERM};
 
 use super::processes::children;
 
-/// The word that lines of a supervisor begin with on its standard error. Only the supervisor gets it.
+/// Environment variable with the word with which lines of a supervisor begin on its standard error. Only the supervisor gets
+/// it.
 pub const TOKEN: &str = "SCANBENCH_SUPERVISOR_TOKEN";
 /// The variables with the descriptors of the pipes.
 pub const READ_FD: &str = "SCANBENCH_READ_FD";
 /// See [`READ_FD`].
 pub const WRITE_FD: &str = "SCANBENCH_WRITE_FD";
 
-/// How long what was killed may take to be gone.
+/// Longest wait for killed processes to end.
 const LONGEST_DEATH: Duration = Duration::from_secs(2);
 
 /// Starts `words`, a program and its arguments, and waits for its end. Its messages come in on our standard input and go out
-/// on our standard output; what it prints goes to our standard error. How it ended is reported there, too, in lines that
-/// begin with the [token](TOKEN).
+/// on our standard output; its printed lines go to our standard error. Its end is reported there, too, in lines that begin
+/// with the [token](TOKEN).
 pub fn supervise(words: &[String]) {
     let token = std::env::var(TOKEN).unwrap_or_default();
     let says = match start_and_wait(words, &token) {
@@ -42,13 +43,13 @@ pub fn supervise(words: &[String]) {
     say(&token, &says);
 }
 
-/// Before the exit code of the detector.
+/// Prefix of the exit code of the detector.
 pub(super) const EXIT: &str = "exit ";
-/// Before the number of the signal that ended it.
+/// Prefix of the number of the signal that ended it.
 pub(super) const SIGNAL: &str = "signal ";
-/// Before the reason why it was not started.
+/// Prefix of the reason why it was not started.
 pub(super) const CANNOT_START: &str = "cannot start ";
-/// Before what else should be known.
+/// Prefix of warnings.
 pub(super) const WARNING: &str = "warning ";
 
 fn say(token: &str, words: &str) {
@@ -57,7 +58,7 @@ fn say(token: &str, words: &str) {
 }
 
 fn start_and_wait(words: &[String], token: &str) -> io::Result<ExitStatus> {
-    // What the detector leaves behind becomes ours, and not that of the first process of the machine.
+    // Orphans of the detector become our children instead of those of the first process of the machine.
     rustix::process::set_child_subreaper(Some(rustix::process::getpid()))?;
     let (signalled, asked_to_end) = UnixStream::pair()?;
     for signal in [SIGTERM, SIGINT, SIGHUP] {
@@ -82,7 +83,7 @@ fn start_and_wait(words: &[String], token: &str) -> io::Result<ExitStatus> {
 /// Starts the detector, which alone has the ends of the pipes from then on.
 fn start(words: &[String]) -> io::Result<Child> {
     let (program, arguments) = words.split_first().ok_or(io::ErrorKind::InvalidInput)?;
-    // Duplicates are inherited, unlike what the standard library opens.
+    // Duplicates are inherited, unlike files that the standard library opens.
     let reading = rustix::io::dup(io::stdin())?;
     let writing = rustix::io::dup(io::stdout())?;
     let printing = io::stderr().as_fd().try_clone_to_owned()?;
@@ -100,7 +101,7 @@ fn start(words: &[String]) -> io::Result<Child> {
     child
 }
 
-/// Waits until one of `ends` can be read, or nobody reads our standard error any more, which means that we are gone.
+/// Waits until one of `ends` can be read, or the reader of our standard error, the program that started us, is gone.
 fn wait_for_any(ends: &[BorrowedFd<'_>]) {
     let stderr = io::stderr();
     loop {
@@ -114,7 +115,7 @@ fn wait_for_any(ends: &[BorrowedFd<'_>]) {
     }
 }
 
-/// Kills whatever is still there, and what that leaves behind; says how many there were.
+/// Kills all remaining child processes and their orphans. Returns their number.
 fn kill_the_rest() -> usize {
     let ends = Instant::now() + LONGEST_DEATH;
     let mut killed = std::collections::BTreeSet::new();
@@ -135,7 +136,7 @@ fn kill_the_rest() -> usize {
     killed.len()
 }
 
-/// Whether a process has ended and only waits to be waited for.
+/// Whether a process has ended; it may not have been waited for yet.
 fn is_dead(pid: Pid) -> bool {
     let stat = std::fs::read_to_string(format!("/proc/{}/stat", pid.as_raw_nonzero())).unwrap_or_default();
     stat.rsplit_once(") ").is_none_or(|(_, state)| state.starts_with('Z'))

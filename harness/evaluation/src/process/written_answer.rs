@@ -1,4 +1,4 @@
-//! The answer of a detector of ours, as the protocol has it: the other side of [`Found`](super::answer::Found).
+//! The answer of a built-in detector in the format of the protocol: the other side of [`Found`](super::answer::Found).
 
 use std::io;
 
@@ -7,13 +7,13 @@ use reports::vocabulary::class::AnnotationClass;
 
 use super::message::{Answer, RANKED, ReportedStage, ResultLine, line_of};
 
-/// What stands for no score of a box.
+/// Stands for a missing score of a box.
 const NO_SCORE: f32 = f32::NAN;
 
-/// Whether the host takes what the first version of the protocol does not have.
+/// Contents of answers that the host accepts.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub enum Extent {
-    /// Detections.
+    /// Detections, as in the first version of the protocol.
     #[default]
     First,
     /// Also the scores of their boxes, and boxes that are only ranked.
@@ -21,7 +21,7 @@ pub enum Extent {
 }
 
 impl Extent {
-    /// Of a host that names `extensions`.
+    /// Extent of the answers to a host that names `extensions`.
     pub fn of(extensions: &[String]) -> Self {
         if extensions.iter().any(|it| it == RANKED) { Self::Ranked } else { Self::First }
     }
@@ -38,7 +38,7 @@ impl AnswerWriter {
     ///
     /// # Errors
     ///
-    /// Why no answer can have `output`: detections share points or have none.
+    /// Why no answer can express `output`: detections share points or have none.
     pub fn write(
         &mut self,
         number: u64,
@@ -76,7 +76,7 @@ impl AnswerWriter {
         Ok(&self.message)
     }
 
-    /// The answer to scan `number` of `n_points` that nothing was found: a cluster for every point, which is none.
+    /// The answer to scan `number` of `n_points` without detections: every point has the cluster id 0, which means none.
     ///
     /// # Errors
     ///
@@ -94,7 +94,7 @@ impl AnswerWriter {
         Ok(())
     }
 
-    /// For every point the number of its detection, from 1.
+    /// Appends for every point the number of its detection, from 1; 0 for none.
     fn add_ids(&mut self, detections: &Detections, n_points: usize) -> Result<(), String> {
         let begin = self.message.len();
         self.message.resize(begin + 4 * n_points, 0);
@@ -116,7 +116,7 @@ impl AnswerWriter {
     }
 }
 
-/// Any class that is no vehicle's for what is none.
+/// A class for the answer: other objects get one that is no vehicle.
 fn class_of(detection: &Detection<'_>) -> AnnotationClass {
     match detection.class {
         DetectedClass::Vehicle => AnnotationClass::Car,
@@ -174,7 +174,7 @@ mod tests {
         assert_eq!(found.clusters, Some(vec![2, 1, 0, 1, 0]));
         assert_eq!((found.boxes, found.scores), (vec![BOX; 2], Some(vec![0.5, -1.5])));
         assert_eq!((found.box_scores, found.ranked), (vec![Some(0.75), None], vec![(BOX, -3.5)]));
-        // A host that does not know more gets no more.
+        // A host that names no known extension gets only the first version.
         let found = read(writer.write(7, &output, 5, Extent::of(&["other".to_owned()])).unwrap(), 5);
         assert!(found.scores.is_some() && found.box_scores.is_empty() && found.ranked.is_empty());
         let nothing = read(writer.write_nothing(7, 5).unwrap(), 5);

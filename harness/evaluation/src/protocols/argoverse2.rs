@@ -1,5 +1,5 @@
-//! Argoverse 2's detection challenge: each detection picks the nearest annotation, and of those that pick the same only the
-//! best may find it.
+//! Argoverse 2's detection challenge: each detection picks the nearest annotation, and of the detections that pick the same
+//! one only the best may find it.
 //!
 //! Wilson et al.: Argoverse 2, `NeurIPS` 2021, section 4.1; av2 0.3.6, which differs from it.
 
@@ -14,7 +14,7 @@ use super::ranked_boxes::{Pairs, RankedRules};
 /// The protocol, without regard to the region of interest of maps.
 pub struct Argoverse2;
 
-/// Farther than this from the origin of the car nothing is evaluated.
+/// Only objects nearer than this to the origin of the car are evaluated, in metres.
 const RANGE_M: f64 = 150.0;
 
 impl RankedRules for Argoverse2 {
@@ -56,7 +56,7 @@ impl RankedRules for Argoverse2 {
         let mut is_picked = vec![false; annotations.len()];
         let pair_of = |detection: &&OfficialObject| {
             let apart_m: Vec<f64> = annotations.iter().map(|it| apart_m(detection, it)).collect();
-            // Of annotations as near as each other the first.
+            // Of equally near annotations the first.
             let nearest = (0..annotations.len()).min_by(|a, b| apart_m[*a].total_cmp(&apart_m[*b]));
             let picked = nearest.filter(|it| !std::mem::replace(&mut is_picked[*it], true));
             PAIR_DISTANCES_M.map(|distance_m| picked.filter(|it| apart_m[*it] < distance_m))
@@ -86,7 +86,8 @@ fn apart_m(a: &OfficialObject, b: &OfficialObject) -> f64 {
     length_m(std::array::from_fn(|axis| a.center_m[axis] - b.center_m[axis]))
 }
 
-/// The angle between headings that differ by `difference_rad`. A whole turn is half a turn, as the makers have it.
+/// The angle between headings that differ by `difference_rad`. A difference of a whole turn gives half a turn, as in the
+/// program of the makers.
 fn turned_rad(difference_rad: f64) -> f64 {
     let angle_rad = difference_rad.abs();
     if angle_rad < PI { angle_rad } else { PI - angle_rad % PI }

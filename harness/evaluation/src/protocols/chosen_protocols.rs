@@ -1,4 +1,4 @@
-//! The protocols that a scan is evaluated under, from what detectors found in it to rows.
+//! Evaluation of a scan under chosen protocols: rows made of the results of detectors.
 
 use detector::DetectorOutput;
 use reports::rows::label_score_row::{LabelScore, LabelScoreRow};
@@ -44,23 +44,23 @@ pub enum ProtocolError {
         /// Id of the data set.
         dataset: String,
     },
-    /// What its makers say of the scan cannot be read.
+    /// A file of the scan from the makers of the data set cannot be read.
     #[error(transparent)]
     Dataset(#[from] DatasetError),
 }
 
-/// A scan that is evaluated, with what its makers say of it.
+/// A scan that is evaluated, with the labels of the makers of the data set.
 pub struct ScanUnderProtocols<'a> {
     chosen: &'a ChosenProtocols,
     name: ScanName,
     scan: &'a LabeledScan,
-    // `None` where no protocol asks.
+    // `None` if no protocol evaluates boxes.
     view: Option<OfficialScanView<'a>>,
     points: Option<LabeledPoints<'a>>,
 }
 
 impl ChosenProtocols {
-    /// These; `None` if there are none.
+    /// These protocols; `None` if there are none.
     pub fn of(protocols: &[Protocol]) -> Option<Self> {
         let of_boxes = |protocol: &Protocol| PROTOCOLS.iter().copied().find(|it| it.protocol() == *protocol);
         let chosen = Self {
@@ -70,11 +70,11 @@ impl ChosenProtocols {
         (!protocols.is_empty()).then_some(chosen)
     }
 
-    /// Makes sure that `dataset` has what the protocols need, as far as that is known without reading a scan.
+    /// Checks that `dataset` meets the needs of the protocols, as far as that is known without reading a scan.
     ///
     /// # Errors
     ///
-    /// [`ProtocolError::Lacks`] if it has not.
+    /// [`ProtocolError::Lacks`] if it does not.
     pub fn check(&self, dataset: &dyn Dataset) -> Result<(), ProtocolError> {
         let lacking = self.of_boxes.iter().find_map(|it| Some((it.protocol(), it.lacks(dataset)?)));
         lacking.map_or(Ok(()), |(protocol, what)| {
@@ -82,16 +82,16 @@ impl ChosenProtocols {
         })
     }
 
-    /// Whether detectors are asked which points are ground.
+    /// Whether a protocol evaluates the predicted ground.
     pub fn ask_for_ground(&self) -> bool {
         self.of_labels.contains(&Protocol::Ground)
     }
 
-    /// `scan`, which is scan `scan_idx` of `dataset`.
+    /// Prepares `scan`, which is scan `scan_idx` of `dataset`.
     ///
     /// # Errors
     ///
-    /// [`ProtocolError`] if its labels are damaged, or there are none.
+    /// [`ProtocolError`] if its labels are damaged or missing.
     pub fn scan<'a>(
         &'a self,
         dataset: &'a dyn Dataset,
@@ -116,8 +116,8 @@ impl ChosenProtocols {
 }
 
 impl ScanUnderProtocols<'_> {
-    /// The rows of what `detector`, called `name`, has just found in the scan: `output`. Without predicted ground
-    /// there are no rows of ground.
+    /// The rows of `output`, which `detector`, called `name`, has just found in the scan. Without predicted ground there are
+    /// no rows of ground.
     pub fn rows(&self, name: &str, detector: &dyn RunningDetector, output: &DetectorOutput) -> OfficialRows {
         let mut rows = OfficialRows::default();
         if let Some(view) = &self.view {
@@ -144,7 +144,7 @@ impl ScanUnderProtocols<'_> {
         rows
     }
 
-    /// The rows of the labels themselves, fed back as what `name` found.
+    /// The rows of the labels themselves, fed back as the results of a detector `name`.
     pub fn echoed_rows(&self, name: &str) -> OfficialRows {
         let mut rows = OfficialRows::default();
         if let Some(view) = &self.view {
@@ -166,7 +166,7 @@ impl ScanUnderProtocols<'_> {
         rows
     }
 
-    /// Which scan it is.
+    /// Name of the scan.
     pub fn name(&self) -> &ScanName {
         &self.name
     }
@@ -186,7 +186,7 @@ pub fn have_ground(rows: &OfficialRows) -> bool {
     rows.labels.iter().any(|it| it.score.protocol() == Protocol::Ground)
 }
 
-/// How many of `rows` are beyond the number that `protocol` evaluates.
+/// Number of `rows` beyond the most detections that `protocol` evaluates.
 pub fn n_beyond_number(rows: &OfficialRows, protocol: Protocol) -> usize {
     let is_beyond =
         |it: &&RankedBoxRow| it.protocol == protocol && it.ranked_box.state == BoxState::BeyondNumber;

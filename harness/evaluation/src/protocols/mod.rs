@@ -1,4 +1,4 @@
-//! Scans as others evaluate them: from labels and detections to the rows that numbers of a protocol are made of.
+//! Official protocols: rows made of labels and detections, from which the numbers of a protocol are made.
 
 pub mod official_objects;
 pub mod official_protocol;

@@ -13,7 +13,7 @@ use super::ranked_boxes::{Pairs, RankedRules};
 /// The protocol.
 pub struct Nuscenes;
 
-/// What bicycles stand in.
+/// Class name of bicycle racks.
 const BIKE_RACK: &str = "static_object.bicycle_rack";
 
 impl RankedRules for Nuscenes {
@@ -66,7 +66,7 @@ impl RankedRules for Nuscenes {
             let apart_m: Vec<f64> = annotations.iter().map(|it| apart_on_plan_m(detection, it)).collect();
             std::array::from_fn(|distance| {
                 let free = (0..annotations.len()).filter(|it| !is_taken[*it][distance]);
-                // Of annotations as near as each other the first.
+                // Of equally near annotations the first.
                 let nearest = free.min_by(|a, b| apart_m[*a].total_cmp(&apart_m[*b]));
                 let found = nearest.filter(|it| apart_m[*it] < PAIR_DISTANCES_M[distance])?;
                 is_taken[found][distance] = true;
@@ -83,11 +83,11 @@ impl RankedRules for Nuscenes {
         // Front and back of a barrier are the same.
         let period_rad = if class == "barrier" { PI } else { 2.0 * PI };
         let velocity = annotation.velocity_m_per_s.map(|labelled| {
-            // A detector without velocities says that everything stands still.
+            // Without velocities of a detector all its objects count as standing still.
             let found = detection.velocity_m_per_s.unwrap_or_default();
             (found[0] - labelled[0]).hypot(found[1] - labelled[1])
         });
-        // A velocity that the detector says is unknown (NaN) has no error.
+        // A velocity that the detector reports as unknown (NaN) has no error.
         let velocity = velocity.filter(|it| !it.is_nan());
         let attribute = annotation
             .attribute
@@ -103,7 +103,7 @@ impl RankedRules for Nuscenes {
     }
 }
 
-/// Farther than this from the car a class is not evaluated.
+/// Objects of a class are evaluated only if they are nearer than this, in metres.
 fn range_m(class: &str) -> f64 {
     match class {
         "car" | "truck" | "bus" | "trailer" | "construction_vehicle" => 50.0,

@@ -1,4 +1,4 @@
-//! Labels and detections of a scan as the makers of its data set have them, or as near to it as our own say.
+//! Labels and detections of a scan in the form of the makers of its data set; if there are none, made of ours.
 
 use detector::{DetectedClass, DetectorOutput, OrientedBox};
 use nalgebra::Isometry3;
@@ -11,22 +11,22 @@ use scans::dataset::official::{OfficialObject, OfficialScan};
 use scans::dataset::upright_box::pose_of_box;
 use scans::dataset::{Dataset, DatasetError};
 
-/// A scan, and what its makers say of it.
+/// A scan, and the labels of the makers of its data set.
 pub struct OfficialScanView<'a> {
     /// The scan.
     pub scan: &'a LabeledScan,
-    // The labels, and where the sensor is in the frame of the files, if both are known and that frame is upright.
+    // The labels, and the pose of the sensor in the frame of the files, if both are known and that frame is upright.
     official: Option<(OfficialScan, Isometry3<f64>)>,
-    /// What KITTI's files say of it, and the frame of its camera, where they are such.
+    /// Labels of KITTI's files and the frame of the camera; `None` if it has no such files.
     pub kitti: Option<(&'a [KittiLabel], ForeignFrame)>,
 }
 
 impl<'a> OfficialScanView<'a> {
-    /// Of `scan`, which is scan `scan_idx` of `dataset`.
+    /// The view of `scan`, which is scan `scan_idx` of `dataset`.
     ///
     /// # Errors
     ///
-    /// [`DatasetError`] if a file that says so is damaged.
+    /// [`DatasetError`] if one of its files is damaged.
     pub fn new(
         dataset: &'a dyn Dataset,
         scan_idx: usize,
@@ -43,13 +43,13 @@ impl<'a> OfficialScanView<'a> {
         Ok(Self { scan, official, kitti })
     }
 
-    /// Of `scan` where nothing but its annotations is known.
+    /// The view of `scan` if only its annotations are known.
     pub fn of_annotations(scan: &'a LabeledScan) -> Self {
         Self { scan, official: None, kitti: None }
     }
 
-    /// What is labelled, from where ranges are measured: as the files have it, or else the annotations with a box, in the
-    /// frame of the sensor, by the names of our classes.
+    /// Labels, relative to the origin of ranges: those of the files, or else the annotations with a box, in the frame of the
+    /// sensor, by the names of our classes.
     pub fn labels(&self) -> Vec<OfficialObject> {
         if let Some((official, _)) = &self.official {
             return official.objects.iter().map(|it| self.moved_to_origin(it.clone())).collect();
@@ -61,8 +61,8 @@ impl<'a> OfficialScanView<'a> {
         annotations.collect()
     }
 
-    /// What was found, from where ranges are measured: `official` where results were read that have it, or else the vehicles
-    /// in `output`, the unlikely ones, too, as cars: these protocols rank by the score of the box. What has no score has 1.
+    /// Detections, relative to the origin of ranges: `official` if the results were read in that form, or else the vehicles
+    /// in `output` as cars, the unlikely ones, too: these protocols rank by the score of the box. Missing scores are 1.
     pub fn found(&self, output: &DetectorOutput, official: &[OfficialObject]) -> Vec<OfficialObject> {
         let with_score = |it: OfficialObject, score: Option<f64>| OfficialObject {
             score: Some(score.unwrap_or(SCORE_OF_NONE.into())),
@@ -80,14 +80,14 @@ impl<'a> OfficialScanView<'a> {
         vehicles.collect()
     }
 
-    /// The labels as a perfect detector would find them.
+    /// The labels as detections of a perfect detector.
     pub fn echoed(&self) -> Vec<OfficialObject> {
         let labels = self.labels().into_iter();
         let echo = |it| OfficialObject { n_points: None, score: Some(SCORE_OF_NONE.into()), ..it };
         labels.filter(|it| it.n_points != Some(0)).map(echo).collect()
     }
 
-    /// The objects of KITTI's files as a perfect detector would find them.
+    /// The objects of KITTI's files as detections of a perfect detector.
     pub fn echoed_kitti(&self) -> Vec<KittiObject> {
         let labels = self.kitti.as_ref().map_or(&[][..], |(labels, _)| labels);
         let objects = labels.iter().filter_map(KittiLabel::object);

@@ -1,4 +1,4 @@
-//! What every protocol can do with a scan.
+//! Interface of the protocols that evaluate boxes.
 
 use detector::DetectorOutput;
 use reports::rows::official_rows::OfficialRows;
@@ -10,32 +10,32 @@ use scans::dataset::official::OfficialObject;
 
 use super::official_objects::OfficialScanView;
 
-/// A protocol: from a scan's labels and detections to rows.
+/// A protocol: it makes rows of the labels and detections of a scan.
 pub trait OfficialProtocol: Sync {
-    /// Which it is.
+    /// Name of the protocol.
     fn protocol(&self) -> Protocol;
 
-    /// What a data set lacks for it, as the rest of a sentence; `None` if nothing.
+    /// A requirement that a data set lacks, as the rest of a sentence; `None` if it lacks nothing.
     fn lacks(&self, _dataset: &dyn Dataset) -> Option<&'static str> {
         None
     }
 
-    /// The rows of what one detector found in a scan, whatever the order of labels and detections.
+    /// The rows of one detector in a scan, independent of the order of labels and detections.
     fn rows(&self, found: &FoundInScan<'_>) -> OfficialRows;
 }
 
-/// What one detector found in a scan.
+/// Results of one detector in a scan.
 pub struct FoundInScan<'a> {
-    /// Names the scan.
+    /// Name of the scan.
     pub name: ScanName,
     /// Name of the detector.
     pub detector: &'a str,
     /// The scan.
     pub view: &'a OfficialScanView<'a>,
-    /// What it reported.
+    /// Output of the detector.
     pub output: &'a DetectorOutput,
-    /// The same as objects, see [`OfficialScanView::found`].
+    /// Its detections as objects, see [`OfficialScanView::found`].
     pub objects: &'a [OfficialObject],
-    /// Of results in KITTI's files, what these say; `None` of others.
+    /// Objects of results in KITTI's files; `None` for other results.
     pub kitti_objects: Option<&'a [KittiObject]>,
 }

@@ -1,4 +1,4 @@
-//! From labels and detections to rows under a protocol that matches boxes class by class, by the distance of their centres.
+//! Rows under a protocol that matches boxes class by class, by the distance of their centres.
 
 use std::cmp::Ordering;
 
@@ -11,30 +11,30 @@ use scans::dataset::official::OfficialObject;
 
 use super::official_protocol::{FoundInScan, OfficialProtocol};
 
-/// For each of [`PAIR_DISTANCES_M`] the annotation that a detection finds, by its index.
+/// For each of [`PAIR_DISTANCES_M`] the index of the annotation that a detection finds; `None` if it finds none.
 pub(super) type Pairs = [Option<usize>; PAIR_DISTANCES_M.len()];
 
-/// What protocols of this kind differ in. Centres are from where ranges are measured.
+/// Rules that differ between such protocols. Centres are relative to the origin of ranges.
 pub(super) trait RankedRules {
-    /// Which it is.
+    /// The protocol.
     const PROTOCOL: Protocol;
 
-    /// The class that is evaluated of what files call `name`; `None` if it is not.
+    /// The evaluated class of objects that files call `name`; `None` if they are not evaluated.
     fn class_of(name: &str) -> Option<&'static str>;
 
-    /// Whether the makers of the protocol call something `name`: then [`Self::class_of`] has the last word.
+    /// Whether `name` is a name of the makers of the protocol: then [`Self::class_of`] decides.
     fn is_own_name(name: &str) -> bool;
 
-    /// Whether a label or a detection of `class` is evaluated, in a scan with these labels.
+    /// State of a label or a detection of `class` in a scan with these labels.
     fn state(class: &'static str, object: &OfficialObject, labels: &[OfficialObject]) -> BoxState;
 
     /// The most detections of a class that are evaluated in a scan.
     const MOST_DETECTIONS: usize;
 
-    /// What finds what, of one class. Detections come best first.
+    /// Pairs of the detections of one class, which come best first.
     fn pairs(detections: &[&OfficialObject], annotations: &[&OfficialObject]) -> Vec<Pairs>;
 
-    /// How far a detection of `class` is from the annotation that it finds.
+    /// Errors of a detection of `class` against the annotation that it finds.
     fn errors(class: &'static str, detection: &OfficialObject, annotation: &OfficialObject) -> PairErrors;
 }
 
@@ -55,7 +55,7 @@ struct Candidate {
     object: OfficialObject,
 }
 
-/// The rows of what was found in a scan: annotations, then detections, each by their numbers.
+/// The rows of a scan: annotations, then detections, each by their numbers.
 fn rows_by<Rules: RankedRules>(found: &FoundInScan<'_>) -> Vec<RankedBoxRow> {
     let labels = found.view.labels();
     let annotations = candidates::<Rules>(labels.clone(), &labels);
@@ -79,8 +79,8 @@ fn rows_by<Rules: RankedRules>(found: &FoundInScan<'_>) -> Vec<RankedBoxRow> {
     annotations.chain(detections).map(row).collect()
 }
 
-/// Those of `objects` whose class is evaluated, from the best score down; those of like scores by their numbers, so that
-/// their order in a file decides nothing.
+/// Those of `objects` whose class is evaluated, from the best score down. Equal scores are sorted by the other values of the
+/// objects, so that their order in a file does not matter.
 fn candidates<Rules: RankedRules>(objects: Vec<OfficialObject>, labels: &[OfficialObject]) -> Vec<Candidate> {
     let candidate = |object: OfficialObject| {
         let class = class_evaluated::<Rules>(&object.name)?;
@@ -91,15 +91,15 @@ fn candidates<Rules: RankedRules>(objects: Vec<OfficialObject>, labels: &[Offici
     candidates
 }
 
-/// The class that is evaluated of what files call `name`: as the makers of the protocol have it, or of the name of another
-/// data set as our class for it has it.
+/// The evaluated class of objects that files call `name`: by the makers of the protocol or, for a name of another data set,
+/// by our class for it.
 fn class_evaluated<Rules: RankedRules>(name: &str) -> Option<&'static str> {
     let of_others = || Rules::class_of(common_name(name)?);
     Rules::class_of(name).or_else(|| if Rules::is_own_name(name) { None } else { of_others() })
 }
 
-/// A name that protocols know for what the maker of another data set calls `name`: that of our class, where this says as
-/// much. Ours make one of bicycles, motorcycles and scooters, and one of cones and barrels.
+/// A name that protocols know for a `name` of another data set: that of our class, if this is specific enough. Our classes
+/// put bicycles, motorcycles and scooters together, and cones and barrels.
 fn common_name(name: &str) -> Option<&'static str> {
     use AnnotationClass as Class;
     let plain = plain_name(name);
@@ -139,7 +139,7 @@ fn unmatched(object: &OfficialObject) -> BoxKind {
     }
 }
 
-/// Matches what counts of `class`, and notes it in the `kinds` of the detections.
+/// Matches the annotations and detections of `class` that count, and writes the pairs to the `kinds` of the detections.
 fn match_class<Rules: RankedRules>(
     class: &'static str,
     annotations: &[Candidate],

@@ -1,4 +1,4 @@
-//! What the cells of the ground plan hold.
+//! Classes of the occupied cells of the ground plan.
 
 use detector::pipeline::frame::Frame;
 use detector::surface_class::SurfaceClass;

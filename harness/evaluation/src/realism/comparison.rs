@@ -27,7 +27,7 @@ pub fn compare(scans: &Sides<Vec<SurveyedScan>>) -> Vec<CurvePair> {
     ]
 }
 
-/// One finding of every scan of both sides.
+/// The `finding` of every scan of both sides.
 fn of_scans<T>(scans: &Sides<Vec<SurveyedScan>>, finding: impl Fn(&SurveyedScan) -> T) -> Sides<Vec<T>> {
     scans.as_ref().map(|scans| scans.iter().map(&finding).collect())
 }

@@ -1,9 +1,9 @@
-//! The spread of a number that every scan has one of.
+//! Spread over the scans of a number that each scan has.
 
 use reports::numbers::curve_pair::{CurveBin, CurvePair, Measured, Sides};
 
-/// Least, median and greatest of what the scans of either side have of `title`, a bin each. A bin is made of as many things
-/// as there are values.
+/// Least, median and greatest of the `values` of the scans of either side, a bin each. The `n` of a bin is the number of
+/// values.
 pub fn spread_over_scans(
     statistic: &'static str,
     title: &'static str,
@@ -28,7 +28,7 @@ pub fn spread_over_scans(
     CurvePair { statistic, title, bins_of: None, focus_m: None, unit, counted, least_n, bins }
 }
 
-/// The same of numbers of things.
+/// [`spread_over_scans`] of counts.
 pub fn spread_of_counts(
     statistic: &'static str,
     title: &'static str,
@@ -39,7 +39,8 @@ pub fn spread_of_counts(
     spread_over_scans(statistic, title, unit, values)
 }
 
-/// The value in the middle of ascending ones; of an even number the smaller of the two there, so that it occurred.
+/// Median of ascending values; of an even number the smaller of the middle two, so that it is one of the values. `None`
+/// without values.
 pub fn median_of_sorted(sorted: &[f64]) -> Option<f64> {
     sorted.get(sorted.len().saturating_sub(1) / 2).copied()
 }

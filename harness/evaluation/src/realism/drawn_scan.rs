@@ -1,4 +1,4 @@
-//! A scan small enough to count its points: a level road with a car and a post on it, and a façade and a scrap aside.
+//! A scan small enough to count its points: a level road with a car and a post on it, and a façade and a scrap beside it.
 //!
 //! Everything but the road is one cell wide. Cells of the grid have their centres at multiples of 0.6 m from 0.7 m.
 
@@ -39,7 +39,7 @@ pub fn scan() -> LabeledScan {
     labeled(cloud().positions_m(), [car])
 }
 
-/// What the stages up to the foreground know of the scan.
+/// Frame of the stages up to the foreground after the scan.
 pub fn frame() -> Frame {
     let mut stages = foreground(&HierarchicalParams::shipped(), SENSOR_HEIGHT_M);
     stages.detect(&cloud(), &mut DetectorOutput::default());

@@ -1,6 +1,6 @@
-//! How like one collection of scans is to another: simulated ones to recorded ones, say.
+//! How similar two collections of scans are, for example simulated and recorded ones.
 //!
-//! Every statistic has what it takes from one scan, and the pair of curves that both collections make of it.
+//! Every statistic has a type for its numbers of one scan, and a function that makes a pair of curves of both collections.
 
 pub mod distribution;
 

@@ -26,9 +26,9 @@ const HALF_VIEW_DEG: f64 = 40.0;
 pub struct CarsInScan {
     /// The drive the scan is of; tracks are numbered within it.
     pub sequence: String,
-    /// Those with a box that holds at least one point.
+    /// Its cars with a box that holds at least one point.
     pub cars: Vec<SeenCar>,
-    /// Whether the labels cover a part of the scan only, as where they come from a camera.
+    /// Whether the labels cover only a part of the scan, such as the view of a camera.
     pub is_view_limited: bool,
 }
 
@@ -39,17 +39,17 @@ pub struct SeenCar {
     pub range_m: f64,
     /// Angle between forward and the centre of its box on the ground plan, 0 to 180 degrees.
     pub off_forward_deg: f64,
-    /// Points inside its box, whoever's they are.
+    /// Points inside its box, whichever object they belong to.
     pub n_points: u64,
-    /// Where they lie, if they are enough.
+    /// Where its points lie; `None` if they are too few.
     pub sides: Option<PointsOnSides>,
-    /// How much of it is hidden, where that is known.
+    /// How much of it is hidden; `None` if unknown.
     pub occlusion: Option<Occlusion>,
-    /// Which car of the drive it is, where that is known.
+    /// Track of the car within the drive; `None` if unknown.
     pub track: Option<u32>,
 }
 
-/// Where the points of a car lie, as classifiers of vehicles see it.
+/// Where the points of a car lie, by the values that vehicle classifiers use.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct PointsOnSides {
     /// Within 0.15 m of the long sides of the least box around them, in percent.
@@ -58,11 +58,11 @@ pub struct PointsOnSides {
     pub rough_percent: f64,
 }
 
-/// Fewest points of a car whose sides are looked at.
+/// Fewest points of a car for [`PointsOnSides`].
 const LEAST_POINTS_ON_SIDES: usize = 50;
 
 impl PointsOnSides {
-    /// Of a car with these points, which stands on ground of this elevation.
+    /// Those of a car with these points, which stands on ground of this elevation. `None` if the points are too few.
     fn of(positions_m: &[[f32; 3]], ground_m: f32, describer: &mut VehicleDescriber) -> Option<Self> {
         if positions_m.len() < LEAST_POINTS_ON_SIDES {
             return None;
@@ -92,7 +92,7 @@ impl CarsInScan {
             let inside = points_inside(&scan.cloud, &bounding_box);
             let n_points = inside.len() as u64;
             let ground_m = bounding_box.center_m[2] - 0.5 * bounding_box.length_width_height_m[2];
-            // What lies on the road is no side.
+            // Points on the road belong to no side.
             let positions_m: Vec<[f32; 3]> = inside
                 .iter()
                 .map(|&it| scan.cloud.position_m(it as usize))
@@ -118,7 +118,7 @@ impl CarsInScan {
 
 /// Which cars of both sides are comparable.
 ///
-/// Where one side labels only what a camera sees, cars within 40° of forward are taken on both. Where both sides
+/// If one side labels only the view of a camera, only cars within 40° of forward are compared. If both sides
 /// know how much of a car is hidden, cars more than half hidden are left out on both.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Comparable {
@@ -132,13 +132,13 @@ pub fn points_per_car(scans: &Sides<Vec<CarsInScan>>) -> CurvePair {
     median_over_cars(scans, names, |it| Some(it.n_points as f64))
 }
 
-/// Median share of their points on their long sides. Cars whose sides bow have less there.
+/// Median share of a car's points on its long sides. Cars with bowed sides have fewer there.
 pub fn points_on_sides(scans: &Sides<Vec<CarsInScan>>) -> CurvePair {
     let names = ["points_on_sides", "median share of a car's points on its long sides", "%"];
     median_over_cars(scans, names, |it| it.sides.map(|it| it.on_sides_percent))
 }
 
-/// Median share of their points that are far from flat.
+/// Median share of a car's points that are far from flat.
 pub fn rough_points(scans: &Sides<Vec<CarsInScan>>) -> CurvePair {
     let names = ["rough_points", "median share of a car's points far from flat", "%"];
     median_over_cars(scans, names, |it| it.sides.map(|it| it.rough_percent))
@@ -171,7 +171,7 @@ fn median_over_cars(
     }
 }
 
-/// The bins of range, each with what was `measured` in it.
+/// The bins of range, each with its `measured` values.
 pub fn range_bins(measured: impl Fn(usize) -> Sides<Measured>) -> Vec<CurveBin> {
     let bin = |bin_idx: usize| {
         let from_m = BIN_M * bin_idx as f64;
@@ -215,7 +215,7 @@ pub fn bin_of_range(range_m: f64) -> Option<usize> {
 }
 
 impl Comparable {
-    /// What is comparable between both sides of `scans`.
+    /// Which cars are comparable between both sides of `scans`.
     pub fn of(scans: &Sides<Vec<CarsInScan>>) -> Self {
         let knows_occlusion =
             |scans: &Vec<CarsInScan>| scans.iter().flat_map(|it| &it.cars).any(|car| car.occlusion.is_some());

@@ -1,7 +1,7 @@
-//! How many points a car has, by its range, where every car counts once however often it was seen.
+//! How many points a car has, by its range. Every car counts once per bin, however often it was seen.
 //!
-//! A car that waits ahead for forty scans is forty cars to [`points_per_car`](super::points_per_car), all of one paint and
-//! one size. Here the scans of a car in a bin are one value, and a bin of few cars is not compared.
+//! A car that waits ahead for forty scans counts as forty cars in [`points_per_car`](super::points_per_car), all of one
+//! paint and one size. Here the scans of a car in a bin give one value, and a bin of few cars is not compared.
 
 use std::collections::BTreeMap;
 
@@ -10,13 +10,12 @@ use reports::numbers::curve_pair::{CurvePair, Measured, Sides};
 use super::distribution::median_of_sorted;
 use super::points_per_car::{CarsInScan, Comparable, range_bins};
 
-/// Fewest tracks of a bin, on either side: cars differ in paint, size and heading, and fewer do not stand for others.
+/// Fewest tracks of a bin, on either side: cars differ in paint, size and heading, and fewer are not representative.
 const LEAST_TRACKS: u64 = 5;
 
 /// Median over the tracks of the median number of points of each in every range bin.
 ///
-/// The same cars are compared as in [`points_per_car`](super::points_per_car::points_per_car); those without a track are
-/// left out.
+/// Compares the same cars as [`points_per_car`](super::points_per_car::points_per_car), without those that have no track.
 pub fn points_per_track(scans: &Sides<Vec<CarsInScan>>) -> CurvePair {
     let comparable = Comparable::of(scans);
     let by_bin = scans.as_ref().map(|scans| medians_by_bin(scans, comparable));

@@ -1,4 +1,4 @@
-//! What all statistics take from the scans of a data set.
+//! Numbers of the scans of a data set for all statistics.
 
 use detector::grid::ring_density::RingCounts;
 use detector::params::HierarchicalParams;
@@ -13,7 +13,7 @@ use super::points_per_car::CarsInScan;
 use super::whole_scans::{GroundCount, cluster_ranges_m, n_returns};
 use crate::scan_pass::{ScanPass, ScanPassError};
 
-/// What all statistics take from one scan.
+/// Numbers of one scan for all statistics.
 #[derive(Debug, Clone, PartialEq)]
 pub struct SurveyedScan {
     /// Number of returns.
@@ -32,15 +32,15 @@ pub struct SurveyedScan {
     pub cells: CellCounts,
 }
 
-/// Looks at the scans of `pass`, and returns what it saw in their order. The ground is found by the stages and parameters of
-/// the hierarchical detector, whatever the data set.
+/// Surveys the scans of `pass`, in their order. The ground is found by the stages and parameters of the hierarchical
+/// detector, whatever the data set.
 ///
 /// # Errors
 ///
 /// As [`ScanPass::over`] says.
 pub fn survey(pass: ScanPass<'_>) -> Result<Vec<SurveyedScan>, ScanPassError> {
     let mut params = HierarchicalParams::shipped();
-    // What is clutter follows no curve here, which belongs to one sensor.
+    // A density curve belongs to one sensor, so clutter is not judged by one here.
     params.density_weighting.enabled = false;
     let sensor_height_m = pass.dataset.description().sensor_height_m;
     let new_stages = || foreground(&params, sensor_height_m);
@@ -48,7 +48,7 @@ pub fn survey(pass: ScanPass<'_>) -> Result<Vec<SurveyedScan>, ScanPassError> {
 }
 
 impl SurveyedScan {
-    /// Looks at `scan`, whose ground and foreground `stages` find.
+    /// Surveys `scan`; `stages` find its ground and foreground.
     fn of(scan: &LabeledScan, stages: &mut Pipeline) -> Self {
         let cloud = &scan.cloud;
         stages.detect(cloud, &mut DetectorOutput::default());

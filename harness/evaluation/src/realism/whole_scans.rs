@@ -1,4 +1,4 @@
-//! What a whole scan comes to: how many pulses come back, how much is ground, into how many pieces the foreground falls.
+//! Numbers of a whole scan: how many pulses return, the share of the ground, the number of clusters of the foreground.
 
 use baselines::kd_tree_components::{KdTreeScratch, kd_tree_components};
 use detector::PointCloud;
@@ -10,7 +10,7 @@ use reports::numbers::curve_pair::{CurvePair, Measured, Sides};
 use super::distribution::{spread_of_counts, spread_over_scans};
 use super::points_per_car::{bin_of_range, range_bins};
 
-/// The points of one scan, and those among them that are ground.
+/// Number of points of one scan, and of its ground points.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct GroundCount {
     /// Points of the ground, as the detectors' shared segmentation finds them.
@@ -46,13 +46,13 @@ pub fn returns_per_scan(n_returns: &Sides<Vec<u64>>) -> CurvePair {
     spread_of_counts("returns_per_scan", "returns per scan", "points", n_returns)
 }
 
-/// Points nearer to each other than this hang together, in metres.
+/// Points nearer to each other than this belong to one cluster, in metres.
 const TOLERANCE_M: f32 = 0.5;
-/// Fewest points of a piece that counts.
+/// Fewest points of a cluster that counts.
 const LEAST_POINTS: usize = 10;
 
-/// How far on the ground plan the pieces of the foreground that `frame` has of `cloud` are from the sensor, in metres: pieces
-/// within a tolerance of 0.5 m and of at least ten points.
+/// Distances on the ground plan of the clusters of the foreground of `frame`, in metres from the sensor to the mean of the
+/// points; `cloud` is its scan. Clusters have at least ten points and a tolerance of 0.5 m.
 pub fn cluster_ranges_m(cloud: &PointCloud, frame: &Frame) -> Vec<f64> {
     let foreground = frame.foreground.point_indices().iter();
     let positions_m: Vec<[f32; 3]> =
@@ -71,13 +71,13 @@ pub fn cluster_ranges_m(cloud: &PointCloud, frame: &Frame) -> Vec<f64> {
     clusters.iter().filter(|members| members.len() >= LEAST_POINTS).map(range_m).collect()
 }
 
-/// The spread of the number of pieces over the scans.
+/// The spread of the number of clusters over the scans.
 pub fn clusters_per_scan(ranges_m: &Sides<Vec<Vec<f64>>>) -> CurvePair {
     let n_clusters = ranges_m.as_ref().map(|scans| scans.iter().map(|it| it.len() as u64).collect());
     spread_of_counts("clusters_per_scan", "clusters of the foreground per scan", "clusters", &n_clusters)
 }
 
-/// Mean number of pieces of a scan in every range bin: in a narrow street most are near.
+/// Mean number of clusters of a scan in every range bin: in a narrow street most are near.
 pub fn clusters_by_range(ranges_m: &Sides<Vec<Vec<f64>>>) -> CurvePair {
     let measured = |bin_idx: usize| {
         ranges_m.as_ref().map(|scans| {

@@ -1,4 +1,4 @@
-//! A search for the best joint setting of open values: a Latin hypercube, then one value after another from its best setting.
+//! A search for the best joint setting of open values: from the best setting of a Latin hypercube, one value after another.
 
 use rand::SeedableRng as _;
 use rand::seq::SliceRandom as _;
@@ -7,14 +7,14 @@ use rand_chacha::ChaCha8Rng;
 use super::open_values::{OpenRange, OpenValue};
 use super::settings::Shares;
 
-/// Share of a range by which numbers move at first.
+/// Initial step, as a share of a range.
 const FIRST_STEP: f64 = 0.25;
 
-/// Below this share of a range, values do not move any more.
+/// The search ends when the step is below this share of a range.
 const LEAST_STEP: f64 = 0.01;
 
-/// A search from one setting, in rounds: each round tries the setting with one value changed, and the setting with all changes
-/// that helped in the round before.
+/// A search from one setting, in rounds: each round tries the best setting with one value changed, and the setting with all
+/// changes that helped in the round before.
 #[derive(Debug, Clone)]
 pub struct CoordinateSearch<'a> {
     values: &'a [OpenValue],
@@ -27,8 +27,8 @@ pub struct CoordinateSearch<'a> {
 }
 
 impl<'a> CoordinateSearch<'a> {
-    /// A search over `values` from the setting `best`, whose mean rate is `best_rate`; `seed` decides which values a round
-    /// tries that has fewer settings left than values.
+    /// A search over `values` from the setting `best`, whose mean rate is `best_rate`. If a round may not try all changes,
+    /// `seed` decides which ones it tries.
     pub fn from(values: &'a [OpenValue], best: Shares, best_rate: f64, seed: u64) -> Self {
         let rng = ChaCha8Rng::seed_from_u64(seed);
         Self { values, best, best_rate, step: FIRST_STEP, together: None, rng }
@@ -39,7 +39,7 @@ impl<'a> CoordinateSearch<'a> {
         (&self.best, self.best_rate)
     }
 
-    /// The settings of the next round, at most `most`; none once values would move too little to matter.
+    /// The settings of the next round, at most `most`; empty once the step is too small to matter.
     pub fn round(&mut self, most: usize) -> Vec<Shares> {
         if self.step < LEAST_STEP {
             return Vec::new();
@@ -58,7 +58,7 @@ impl<'a> CoordinateSearch<'a> {
         settings
     }
 
-    /// Goes on from the best of what a round tried, each with its mean rate; numbers move half as far if nothing was better.
+    /// Continues from the best tried setting of a round, each with its mean rate; halves the step if none was better.
     pub fn take(&mut self, tried: &[(Shares, f64)]) {
         let before = self.best.clone();
         let better: Vec<&(Shares, f64)> = tried.iter().filter(|(_, rate)| *rate > self.best_rate).collect();
@@ -81,7 +81,7 @@ impl<'a> CoordinateSearch<'a> {
     }
 }
 
-/// Where a value can go from a share of its range: to each other word, or up and down by `step`.
+/// Shares that a value can move to from a share of its range: each other word, or up and down by `step`.
 fn moved(range: OpenRange, share: f64, step: f64) -> Vec<f64> {
     let now = range.at(share);
     let shares: Vec<f64> = match range {
@@ -90,7 +90,7 @@ fn moved(range: OpenRange, share: f64, step: f64) -> Vec<f64> {
         }
         OpenRange::Numbers { .. } => [share - step, share + step].map(|it| it.clamp(0.0, 0.999)).to_vec(),
     };
-    // Of whole numbers a short step may be none.
+    // A short step may not change a whole number.
     shares.into_iter().filter(|it| range.at(*it) != now).collect()
 }
 

@@ -1,4 +1,4 @@
-//! What the claims of the papers rest on: readings of what they print, and the values that they leave open.
+//! Reproduction of the claims of the papers: readings of their text, and the values that they leave open.
 
 pub mod open_values;
 pub mod settings;

@@ -1,4 +1,4 @@
-//! What figures of the papers show of scans, before anything is detected in them.
+//! Numbers of scans for figures of the papers that need no detections.
 
 use detector::describe::box_frame_points::BoxFramePoints;
 use detector::describe::corner_spheres::CornerSpheres;
@@ -10,27 +10,26 @@ use scans::annotation::{Annotation, LabeledScan};
 
 use crate::scan_pass::{PassedScan, ScanPass, ScanPassError};
 
-/// The cell sizes of HG Fig. 6, in metres, and as many more.
+/// Cell sizes in metres: those of HG Fig. 6, and as many more.
 pub const CELL_SIZES_M: [f32; 19] =
     [0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 0.9, 1.0, 1.1, 1.2, 1.3, 1.4, 1.5, 1.6, 1.7, 1.8, 1.9, 2.0];
 
-/// Fewest points of a car of which the spheres at its corners are looked at.
+/// Fewest points of a car whose corner spheres are measured.
 const LEAST_POINTS: usize = 200;
 
-/// What one scan shows.
+/// Numbers of one scan.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ObservedScan {
-    /// The cells of each of [`CELL_SIZES_M`]. HG Fig. 6 a.
+    /// Tally of the cells for each of [`CELL_SIZES_M`]. HG Fig. 6 a.
     pub cells: Vec<CellTally>,
     /// Its points over range. HG Fig. 5.
     pub rings: RingCounts,
-    /// Of each annotated car of which much is seen, the mean radius of the spheres at its front and at its back, in metres.
-    /// VM Fig. 6.
+    /// Radius of the spheres at the front and at the back of each annotated car that is mostly seen, in metres. VM Fig. 6.
     pub spheres_m: Vec<[f32; 2]>,
 }
 
-/// Looks at the scans of `pass`, and returns what they show in their order. The grids have those of `grid` but their cell
-/// size; cells that span more than `ground_extent_m` stand.
+/// Observes the scans of `pass`, in their order. The grids have the parameters of `grid` except the cell size; cells that
+/// span more than `ground_extent_m` stand.
 ///
 /// # Errors
 ///
@@ -52,7 +51,8 @@ pub fn observe(
     pass.over(|| (), observed)
 }
 
-/// The mean radii at the front and at the back of its annotated box; `None` of what is no car, or of which little is seen.
+/// Radii of the spheres at the front and at the back of the annotated box, in metres; `None` if it is no car, or little of
+/// it is seen.
 fn spheres_of(scan: &LabeledScan, annotation: &Annotation) -> Option<[f32; 2]> {
     let bounding_box = annotation.bounding_box?;
     if annotation.class != AnnotationClass::Car || annotation.point_indices.len() < LEAST_POINTS {
@@ -63,13 +63,13 @@ fn spheres_of(scan: &LabeledScan, annotation: &Annotation) -> Option<[f32; 2]> {
     let [length_m, width_m, _] = bounding_box.length_width_height_m;
     let [front_left, back_left, back_right, front_right] =
         CornerSpheres::around(&points, length_m, width_m)?.radii_m;
-    // An end that the sensor does not see has its nearest points far away, whatever its form.
+    // The nearest points to an unseen end are far away, whatever its shape.
     let [nearest_m, farthest_m] = points
         .along_m()
         .iter()
         .fold([f32::INFINITY, f32::NEG_INFINITY], |ends, &it| [ends[0].min(it), ends[1].max(it)]);
     let is_seen_whole = farthest_m - nearest_m >= 0.9 * length_m;
-    // The side that is turned away has no points: of each end the nearer corner counts.
+    // The hidden side has no points, so the smaller sphere of each end counts.
     is_seen_whole.then(|| [front_left.min(front_right), back_left.min(back_right)])
 }
 

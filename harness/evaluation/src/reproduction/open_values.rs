@@ -1,17 +1,17 @@
-//! The values that the papers have and do not state.
+//! The values that the papers use but do not state.
 
 /// A parameter of `paper`, or of a rival, that the papers leave open.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct OpenValue {
     /// Its full name.
     pub parameter: &'static str,
-    /// What the papers say of it, and where.
+    /// Statements of the papers about it, with their sections.
     pub said: &'static str,
-    /// What it could be.
+    /// Its possible values.
     pub range: OpenRange,
 }
 
-/// The values that one could take for what a paper says.
+/// The values that agree with a paper.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum OpenRange {
     /// Numbers between these.
@@ -20,9 +20,9 @@ pub enum OpenRange {
         low: f64,
         /// The greatest.
         high: f64,
-        /// Whether they are whole.
+        /// Whether only whole numbers count.
         is_whole: bool,
-        /// Whether ratios of them count, and not differences.
+        /// Whether the scale is logarithmic.
         is_log: bool,
     },
     /// One of several words.
@@ -41,7 +41,7 @@ const fn ratios(low: f64, high: f64) -> OpenRange {
     OpenRange::Numbers { low, high, is_whole: false, is_log: true }
 }
 
-/// All of `paper`, in the order of the stages; the criterion of matching last.
+/// All open values of `paper`, in the order of the stages; the criterion of matching last.
 pub const OPEN_VALUES: [OpenValue; 13] = [
     OpenValue {
         parameter: "paper.terrain.low_quantile",
@@ -110,8 +110,7 @@ pub const OPEN_VALUES: [OpenValue; 13] = [
     },
 ];
 
-/// Readings of the structure of `paper`, by words or by figures of HG and VM: tried with [`OPEN_VALUES`] where values are
-/// chosen.
+/// Readings of the structure of `paper`, from text or figures of HG and VM; searched together with [`OPEN_VALUES`].
 const OPEN_READINGS: [OpenValue; 6] = [
     OpenValue {
         parameter: "paper.ground.fewer_far_away",
@@ -145,7 +144,7 @@ const OPEN_READINGS: [OpenValue; 6] = [
     },
 ];
 
-/// Those of the rival of HG.
+/// Open values of the rival of HG.
 const KD_TREE_VALUES: [OpenValue; 3] = [
     OpenValue {
         parameter: "kd_tree.tolerance_m",
@@ -164,7 +163,7 @@ const KD_TREE_VALUES: [OpenValue; 3] = [
     },
 ];
 
-/// Those of the rival of VM.
+/// Open values of the rival of VM.
 const PCA_VALUES: [OpenValue; 5] = [
     OpenValue {
         parameter: "pca.grid.cell_size_m",
@@ -193,7 +192,7 @@ const PCA_VALUES: [OpenValue; 5] = [
     },
 ];
 
-/// The open values of a detector of the papers but the criterion of matching; none of any other detector.
+/// The open values of a detector of the papers, without the criterion of matching; empty for any other detector.
 pub fn open_values_of(detector: &str) -> &'static [OpenValue] {
     match detector {
         "paper" => &OPEN_VALUES[..OPEN_VALUES.len() - 1],
@@ -203,21 +202,21 @@ pub fn open_values_of(detector: &str) -> &'static [OpenValue] {
     }
 }
 
-/// What is chosen of a detector of the papers: its open values and, of `paper`, readings of its structure.
+/// Values to choose for a detector of the papers: its open values and, for `paper`, readings of its structure.
 pub fn chosen_values_of(detector: &str) -> Vec<OpenValue> {
     let readings = if detector == "paper" { &OPEN_READINGS[..] } else { &[] };
     open_values_of(detector).iter().chain(readings).copied().collect()
 }
 
 impl OpenRange {
-    /// The value at a share of the range, 0 to 1, as it is written.
+    /// The value at a share of the range, 0 to 1, as text.
     pub fn at(self, share: f64) -> String {
         match self {
             Self::Words(words) => {
                 words[((share * words.len() as f64) as usize).min(words.len() - 1)].to_owned()
             }
             Self::Numbers { low, high, is_whole: true, is_log } => {
-                // Each of them has the same part of the range.
+                // Each whole number has an equal part of the range.
                 let number = if is_log {
                     low * ((high + 1.0) / low).powf(share)
                 } else {
@@ -233,7 +232,7 @@ impl OpenRange {
     }
 }
 
-/// `4 to 8`, or `points, centre, bev-iou`.
+/// For example `4 to 8`, or `points, centre, bev-iou`.
 impl std::fmt::Display for OpenRange {
     fn fmt(&self, formatter: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         match self {

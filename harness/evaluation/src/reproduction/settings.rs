@@ -1,4 +1,4 @@
-//! Joint settings of the values that the papers leave open, and what comes of each.
+//! Joint settings of the values that the papers leave open, and the counts of each.
 
 use std::collections::BTreeSet;
 use std::sync::atomic::AtomicBool;
@@ -20,8 +20,8 @@ use crate::scan_pass::ScanPassError;
 use crate::sweep::quality_pass::{SweepError, SweepPass, SweptDataset};
 use crate::sweep::sweep_plan::{SweepPlan, SweepPoint};
 
-/// A Latin hypercube of `n` joint settings of `n_values` values, each a share of its range: each value takes every `n`th of
-/// its range once, in an order of its own. `McKay`, Beckman, Conover 1979.
+/// A Latin hypercube of `n` joint settings of `n_values` values, each a share of its range: each value takes every `n`th
+/// part of its range once, in an order of its own. `McKay`, Beckman, Conover 1979.
 pub fn latin_hypercube(n_values: usize, n: usize, seed: u64) -> Vec<Shares> {
     let mut rng = ChaCha8Rng::seed_from_u64(seed);
     let mut columns: Vec<Vec<f64>> = Vec::new();
@@ -34,11 +34,11 @@ pub fn latin_hypercube(n_values: usize, n: usize, seed: u64) -> Vec<Shares> {
     (0..n).map(|row| columns.iter().map(|column| column[row]).collect()).collect()
 }
 
-/// The parameters of `base` with `values` at these shares of their ranges: a point for each setting.
+/// A point for each setting: the parameters of `base`, with `values` at these shares of their ranges.
 ///
 /// # Errors
 ///
-/// [`ConfigError`] if a value cannot be worked with.
+/// [`ConfigError`] if a value cannot be used.
 pub fn points_at(
     base: &RunConfig,
     values: &[OpenValue],
@@ -54,14 +54,14 @@ pub fn points_at(
 ///
 /// # Errors
 ///
-/// [`ConfigError`] if a value cannot be worked with.
+/// [`ConfigError`] if a value cannot be used.
 pub fn point(base: &RunConfig, names: &[&str], values: Vec<String>) -> Result<SweepPoint, ConfigError> {
     let options = names.iter().zip(&values).map(|(name, value)| format!("{name}={value}").parse());
     let options: Vec<_> = options.collect::<Result<_, _>>().expect("names and values are options");
     Ok(SweepPoint { config: base.overridden(&options, &[])?, values })
 }
 
-/// What `detectors` make of these points of the parameters `names`.
+/// Plan of a sweep of `detectors` over these points of the parameters `names`.
 pub fn plan(
     base: &RunConfig,
     detectors: Vec<ChosenDetector>,
@@ -76,13 +76,13 @@ pub fn plan(
     SweepPlan { detectors, swept, tied: Vec::new(), points, base: base.clone() }
 }
 
-/// A joint setting: of each value the share of its range, 0 to below 1.
+/// A joint setting: for each value the share of its range, 0 to below 1.
 pub type Shares = Vec<f64>;
 
-/// What a detector found in each of [`Task::ALL`].
+/// Counts of a detector for each of [`Task::ALL`].
 pub type TaskCounts = [Counts; Task::ALL.len()];
 
-/// The counts of all scans `scan_indices` of `dataset` together: for each point of `plan` those of each detector.
+/// Counts over all scans `scan_indices` of `dataset`: for each point of `plan`, those of each detector.
 ///
 /// `on_scan` is called after every scan, from several threads.
 ///
@@ -149,7 +149,7 @@ mod tests {
                 };
                 (share * 20.0).clamp(0.0, 19.9) as usize
             });
-            // Values are rounded as they are written, over the border of a part now and then.
+            // Values are rounded when they are written, sometimes into the next part.
             assert!(strata.collect::<BTreeSet<_>>().len() >= 17, "{}", open.parameter);
         }
         assert!(points.iter().zip(&drawn(1)).all(|(a, b)| a.values == b.values));

@@ -1,4 +1,4 @@
-//! What detectors made of the scans of a run, as an MCAP file for Foxglove and whatever else reads MCAP.
+//! Results of a run as an MCAP file for Foxglove and other readers of MCAP.
 
 pub mod outcome_scene;
 pub mod scan_numbers;

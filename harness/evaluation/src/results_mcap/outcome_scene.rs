@@ -1,4 +1,4 @@
-//! What became of annotations and detections, as a Foxglove scene.
+//! Outcomes of annotations and detections as a Foxglove scene.
 
 use detector::OrientedBox;
 use reports::plots::palette::{BLUISH_GREEN, Rgb, VERMILION, YELLOW};
@@ -11,13 +11,13 @@ use scans::dataset::mcap::scene_objects::keys;
 
 use crate::object_box::ObjectBox;
 
-/// What is neither right nor wrong.
+/// Colour of outcomes that are neither right nor wrong.
 const GREY: Rgb = [150, 150, 150];
 
-/// One entity for each of `rows`, in order: a box in the colour of the outcome, and in its metadata what the row says.
+/// One entity for each of `rows`, in order: a box in the colour of the outcome, and the contents of the row as metadata.
 ///
-/// A matched detection is green, with a line to where the annotation stands; a missed annotation yellow, with the box around
-/// its points if it has none; a false detection vermilion; what does not count grey.
+/// A matched detection is green, with a line to the annotation; a missed annotation yellow, with the box around its points
+/// if it has none; a false detection vermilion; all other outcomes grey.
 pub fn outcome_entities(time_ns: u64, scan: &LabeledScan, rows: &[MatchRow]) -> Vec<SceneEntity> {
     (1..).zip(rows).map(|(number, row)| outcome_entity(time_ns, scan, number, &row.outcome)).collect()
 }
@@ -26,7 +26,7 @@ fn outcome_entity(time_ns: u64, scan: &LabeledScan, number: usize, outcome: &Mat
     let entity = |bounding_box: Option<OrientedBox>, color: Rgb, opacity: f64, metadata| {
         entity_of(time_ns, number, bounding_box.as_ref(), metadata, color_of(color, opacity))
     };
-    // A box, and a line from it to where the annotation stands.
+    // A box, and a line from it to the centre of the annotation.
     let pair_entity = |annotation: &AnnotationFacts, detection: &DetectionFacts, color, opacity, metadata| {
         let found = box_of(detection.bounding_box);
         let mut entity = entity(Some(found), color, opacity, metadata);
@@ -174,7 +174,7 @@ mod tests {
         DetectionFacts { id: 3, class: DetectionClass::Vehicle, score: Some(0.5), n_points: 9, bounding_box }
     }
 
-    /// The colour of the box, how many boxes and lines there are, and one of the metadata.
+    /// Checks the colour of the box, the numbers of boxes and lines, and one entry of the metadata.
     #[track_caller]
     fn check(outcome: &MatchOutcome, color: Rgb, [n_cubes, n_lines]: [usize; 2], key: &str, value: &str) {
         let entity = outcome_entity(5, &scan(), 1, outcome);

@@ -7,10 +7,10 @@ use reports::rows::scan_row::ScanRow;
 use reports::rows::stage_row::StageRow;
 use serde::Serialize;
 
-/// The name of such messages.
+/// Name of the messages.
 pub const SCAN_NUMBERS: &str = "scanbench.ScanNumbers";
 
-/// Their description. What is undefined, such as a rate over nothing, is null.
+/// Schema of the messages. Undefined numbers, such as a rate over nothing, are null.
 pub const SCAN_NUMBERS_SCHEMA: &str = r#"{
   "title": "scanbench.ScanNumbers",
   "type": "object",

@@ -24,7 +24,7 @@ use crate::run::sink::JudgedScan;
 /// A recording that grows scan by scan.
 #[must_use = "a recording that is not finished is thrown away"]
 pub struct ResultsMcap {
-    // Of each scan that is run.
+    // Time of each scan of the run.
     times_ns: Vec<u64>,
     writer: Box<McapWriter>,
     tally: Tally,
@@ -46,11 +46,11 @@ impl ResultsMcap {
         Ok(Self { times_ns: times_of(dataset, scan_indices), writer, tally: Tally::default() })
     }
 
-    /// Appends a scan of that data set, with what all detectors made of it.
+    /// Appends a scan of that data set, with the results of all detectors.
     ///
     /// # Errors
     ///
-    /// [`ConversionError`] if the disk does not take it, or where the sensor was cannot be read.
+    /// [`ConversionError`] if the disk does not take it, or the pose of the sensor cannot be read.
     pub fn add(&mut self, judged: &JudgedScan<'_>) -> Result<(), ConversionError> {
         let time_ns = self.times_ns[judged.results.run_idx];
         let world_from_sensor = judged.watched.dataset.world_from_sensor(judged.scan_idx())?;
@@ -86,7 +86,7 @@ impl ResultsMcap {
         Ok(())
     }
 
-    /// Ends the recording, which appears under its name now.
+    /// Completes the recording; only then it appears under its name.
     ///
     /// # Errors
     ///

@@ -1,4 +1,4 @@
-//! The hierarchical detector whole, without each of its parts, and built up from what the papers print.
+//! The whole hierarchical detector, without each of its parts, and built up from the detector of the papers.
 
 use std::path::{Path, PathBuf};
 
@@ -9,14 +9,14 @@ use crate::run::config::override_option::OverrideOption;
 use crate::run::config::{ConfigError, RunConfig, TrainedModel};
 use crate::run::detector_list::{ListedDetector, PAPER};
 
-/// What the method is judged by: its parts are there to find objects, whatever they are.
+/// Task of the ablation: the parts of the method serve to find objects of any class.
 pub const TASK: Task = Task::Objects;
 
 /// A part of the method that can be left out.
 struct Part {
-    /// What is left.
+    /// Name of the variant without it.
     name: &'static str,
-    /// The same with trees that were trained without it.
+    /// Name of the variant with trees that were trained without it.
     trained: &'static str,
     /// The override that leaves it out.
     off: &'static str,
@@ -54,13 +54,13 @@ const PARTS: [Part; 7] = [
 ];
 
 impl Part {
-    /// The folder with its trees among those of all parts.
+    /// Name of the folder with the trees that were trained without it.
     fn folder(&self) -> String {
         self.name.replace(' ', "-")
     }
 }
 
-/// None of `folders` has the trees of a part.
+/// No folder in `models` has the trees of a part.
 #[derive(Debug, thiserror::Error)]
 #[error("there is no folder of a part in {}; their names are {}", .models.display(), .names.join(", "))]
 pub struct NoTrainedPart {
@@ -68,7 +68,7 @@ pub struct NoTrainedPart {
     names: Vec<String>,
 }
 
-/// The parts with trees of their own in `models`.
+/// The parts with a folder of trees in `models`.
 ///
 /// # Errors
 ///
@@ -82,8 +82,8 @@ fn trained_parts(models: &Path) -> Result<Vec<&'static Part>, NoTrainedPart> {
     Ok(found)
 }
 
-/// What leads from the papers to the method, in the order of the stages: what a row adds to those above it, and how the
-/// detector of the papers does so. Overrides that end in `=` get the value that the method has for the same parameter.
+/// Steps from the papers to the method, in the order of the stages: name of the addition to the steps above, and its
+/// overrides of the detector of the papers. Overrides that end in `=` get the value of the method for the same parameter.
 const STEPS: &[(&str, &[&str])] = &[
     ("and points clear of the ground", &["paper.foreground.clearance_m="]),
     (
@@ -119,27 +119,27 @@ const STEPS: &[(&str, &[&str])] = &[
     ),
 ];
 
-/// The last step: the method, with what follows the best cut switched off.
+/// The last step: the method without the stage that follows the best cut.
 const BEST_CUT: (&str, &str) = ("and the best cut of groups", "hierarchical.completion.enabled=false");
 
 /// Why there are no variants.
 #[derive(Debug, thiserror::Error)]
 pub enum AblationError {
-    /// The switches do not go with the other parameters.
+    /// The overrides conflict with the other parameters.
     #[error(transparent)]
     Config(#[from] ConfigError),
-    /// There are no trees of the parts.
+    /// There are no trees of any part.
     #[error(transparent)]
     Models(#[from] NoTrainedPart),
 }
 
-/// `method` with the parameters of `config`, then without each of its parts in turn, where `models` has a folder of its name
-/// also with trees that were trained so, then without all of them; then the detector of the papers, the same with one after
-/// another of the steps that lead from it to the method, and the method without what the whole adds.
+/// `method` with the parameters of `config`; then without each of its parts in turn, also with trees that were trained so if
+/// `models` has a folder of the part; then without all parts; then the detector of the papers, alone and with one after
+/// another of the steps that lead from it to the method; at last the method without completion.
 ///
 /// # Errors
 ///
-/// [`AblationError`] if the switches do not go with the other parameters, or `models` has no part.
+/// [`AblationError`] if the overrides conflict with the other parameters, or `models` has no part.
 pub fn variants(
     method: ListedDetector,
     config: &RunConfig,
@@ -162,7 +162,7 @@ pub fn variants(
             variants.push(variant(part.trained, method, &[part.off.to_owned(), trained])?);
         }
     }
-    // Of the rounds the last that stands there is left.
+    // Of the overrides of the rounds only the last one is kept.
     let all = PARTS.iter().map(|it| it.off).filter(|it| !it.ends_with("rounds=2")).collect::<Vec<_>>();
     variants.push(variant("without all of these", method, &of_parts(&all))?);
     variants.push(variant("the papers", PAPER, &[])?);
@@ -173,7 +173,7 @@ pub fn variants(
     Ok(variants)
 }
 
-/// What `steps` add to the detector of the papers.
+/// Overrides that `steps` add to the detector of the papers.
 fn switches_of(steps: &[(&str, &[&str])], config: &RunConfig) -> Vec<String> {
     let of_method = |switch: &str| {
         let same = switch.strip_suffix('=')?.replacen("paper", "hierarchical", 1);
@@ -230,7 +230,7 @@ mod tests {
         let error = all_variants(Some(folder.path())).unwrap_err().to_string();
         assert!(error.starts_with("there is no folder of a part in "), "{error}");
         assert!(error.contains("without-walls, ") && error.contains("one-round"), "{error}");
-        // Its trees are looked for.
+        // Its trees are searched.
         std::fs::create_dir(folder.path().join("without-walls")).unwrap();
         let error = all_variants(Some(folder.path())).unwrap_err().to_string();
         assert!(error.contains("groupings.model: "), "{error}");

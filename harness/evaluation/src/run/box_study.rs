@@ -1,4 +1,4 @@
-//! Boxes of different fits around the same clusters, beside the annotated ones.
+//! Boxes of different fits around the same clusters, compared with the annotated boxes.
 
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -25,9 +25,9 @@ use crate::scan_pass::{PassedScan, ScanPass, ScanPassError};
 
 /// Number of boxes around the same points.
 pub const N_FITS: usize = ObjectBox::ALL.len() + 1;
-/// Their names: those of the fits, and the one that the detector reports.
+/// Names of the boxes: those of the fits, and the one that the detector reports.
 pub const FITS: [&str; N_FITS] = ["hull box", "PCA box", "closeness box", "outline box", "reported box"];
-/// Points of clusters, from and to.
+/// Slices by the number of points of the cluster, from and to (exclusive).
 const POINTS: [[usize; 2]; 4] = [[0, 30], [30, 100], [100, 300], [300, usize::MAX]];
 
 /// Ranges of the annotations, from and to in metres.
@@ -41,13 +41,13 @@ const OCCLUSIONS: [Option<Occlusion>; 4] =
 pub struct BoxPair {
     /// The scan.
     pub scan: ScanId,
-    /// What it is drawn with when intervals are estimated.
+    /// Second of the drive, for the blocks of the intervals.
     pub second: DriveSecond,
-    /// What it is.
+    /// Class of the vehicle.
     pub class: AnnotationClass,
     /// Its number within the drive.
     pub track: Option<u32>,
-    /// How much of it is hidden.
+    /// How much of it is hidden, if annotated.
     pub occlusion: Option<Occlusion>,
     /// Distance of its annotation from the sensor on the ground plan, in metres.
     pub range_m: f64,
@@ -88,8 +88,8 @@ impl FramedCluster {
     }
 }
 
-/// All pairs of the scans of `pass`, in their order: clusters that `listed` finds with `config`, matched as objects, so that
-/// their predicted class does not matter.
+/// All pairs of the scans of `pass`, in their order. The clusters are those of `listed` with `config`, matched as objects,
+/// so that their predicted class does not matter.
 ///
 /// # Errors
 ///
@@ -162,22 +162,22 @@ pub fn box_points(pairs: &[(&str, BoxPair)]) -> Vec<Vec<BoxPoints>> {
     classes.into_iter().map(of_class).collect()
 }
 
-/// The same box, with the end for its front that is nearer to the front of `other`.
+/// The box, turned by half a turn if its front is then nearer to the front of `other`.
 fn turned_to(it: OrientedBox, other: &OrientedBox) -> OrientedBox {
     let is_against = (it.yaw_rad - other.yaw_rad).cos() < 0.0;
     if is_against { OrientedBox { yaw_rad: it.yaw_rad + std::f32::consts::PI, ..it } } else { it }
 }
 
-/// What pairs are sliced by, the slice, and its pairs with the ids of their data sets.
+/// Kind of a slice, its name, and its pairs with the ids of their data sets.
 type PairSlice<'a> = (&'a str, String, Vec<&'a (&'a str, BoxPair)>);
 
-/// The medians of all errors over `pairs`, each with the id of its data set: over all, by occlusion and by range. `data`
-/// says what they are of.
+/// The medians of all errors, or the means of shares, over `pairs`, each with the id of its data set: over all, by
+/// occlusion, range, class and number of points. `data` names the data.
 pub fn box_error_lines(pairs: &[(&str, BoxPair)], data: &str, is_simulated: bool) -> Vec<BoxErrorLine> {
     let mut slices: Vec<PairSlice<'_>> = vec![("all", String::new(), pairs.iter().collect())];
     for occlusion in OCCLUSIONS {
         let of_slice: Vec<_> = pairs.iter().filter(|it| it.1.occlusion == occlusion).collect();
-        // Where all is annotated, nothing is said of what is not.
+        // The slice of unknown occlusion is left out if it is empty.
         if occlusion.is_some() || !of_slice.is_empty() {
             slices.push(("occlusion", occlusion.map_or("not said", Occlusion::name).to_owned(), of_slice));
         }
@@ -204,7 +204,7 @@ pub fn box_error_lines(pairs: &[(&str, BoxPair)], data: &str, is_simulated: bool
     };
     let lines_of = |(by, slice, pairs): &PairSlice<'_>| -> Vec<BoxErrorLine> {
         let line = |error: BoxError| {
-            // All, but where the detector does not say it of each.
+            // All pairs, but for numbers that the detector does not report for each.
             let pairs: Vec<&(&str, BoxPair)> =
                 pairs.iter().copied().filter(|it| absolute(&it.1, N_FITS - 1, error).is_some()).collect();
             let n_tracks = blocks(&pairs, BlockKind::Tracks).1.n_blocks;
@@ -235,7 +235,7 @@ pub fn box_error_lines(pairs: &[(&str, BoxPair)], data: &str, is_simulated: bool
     slices.par_iter().flat_map_iter(lines_of).collect()
 }
 
-/// The drive or the track of each pair, numbered from 0, and how many there are. What has no track is one of its own.
+/// Number of the drive or track of each pair, from 0, and how many there are. A pair without a track is a track of its own.
 fn blocks(pairs: &[&(&str, BoxPair)], kind: BlockKind) -> (Vec<usize>, BlockCount) {
     let mut numbers = BTreeMap::new();
     let of_pairs = pairs.iter().enumerate().map(|(index, (dataset, pair))| {
@@ -249,10 +249,10 @@ fn blocks(pairs: &[&(&str, BoxPair)], kind: BlockKind) -> (Vec<usize>, BlockCoun
     (of_pairs, BlockCount::of_dataset(numbers.len() as u64, kind))
 }
 
-/// What `error` is of a box of `pair`; 100 or 0 where it is a share. `None` where there is none.
+/// Value of `error` for a box of `pair`; 100 or 0 if it is a share. `None` if there is no value.
 fn absolute(pair: &BoxPair, fit_idx: usize, error: BoxError) -> Option<f64> {
     let errors = &pair.errors[fit_idx];
-    // Of the reported box alone.
+    // Only for the reported box.
     let is_front_sure = pair.is_front_sure.filter(|_| fit_idx + 1 == N_FITS);
     let yaw_deg = errors.yaw_rad.to_degrees();
     let percent = |is_so: bool| if is_so { 100.0 } else { 0.0 };
@@ -339,7 +339,7 @@ mod tests {
             box_error_lines(&pairs, "kitti", false)[0].fits[0].1.unwrap().within.map(|it| it.blocks)
         };
         assert_eq!(of(None), Some(BlockCount::of_dataset(12, BlockKind::Scans)));
-        // All in one block: there is no other to compare with.
+        // All pairs are in one block, so no interval can be estimated.
         assert_eq!(of(Some("crossing")), None);
     }
 

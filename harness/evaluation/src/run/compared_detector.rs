@@ -35,7 +35,7 @@ impl ComparedDetector {
         Self { name: chosen.name(), chosen, config: config.clone() }
     }
 
-    /// The detector for scans of `dataset`. A sensor of unknown density is treated as the paper's.
+    /// Makes the detector for scans of `dataset`. A sensor of unknown density is treated as the paper's.
     pub fn begin(&self, dataset: &DatasetDescription) -> Box<dyn RunningDetector> {
         let config = &self.config.for_scans_of(dataset);
         match &self.chosen {
@@ -46,7 +46,7 @@ impl ComparedDetector {
         }
     }
 
-    /// The same of a detector that left `results` for the scans of `dataset`.
+    /// As [`Self::begin`], for a detector that left `results` for the scans of `dataset`.
     pub fn begin_with_results(
         &self,
         dataset: &DatasetDescription,
@@ -61,7 +61,7 @@ impl ComparedDetector {
         }
     }
 
-    /// Where its results lie, if it left some.
+    /// Path of its results; `None` if it is a program or built in.
     pub fn results(&self) -> Option<&Path> {
         match &self.chosen {
             ChosenDetector::Foreign(ForeignDetector { work: ForeignWork::Results(path), .. }) => Some(path),
@@ -69,11 +69,11 @@ impl ComparedDetector {
         }
     }
 
-    /// The same, with the program of `before`, which had other parameters: starting one takes longer than a scan.
+    /// As [`Self::begin`], but reuses the program of `before`, which had other parameters: a start takes longer than a scan.
     ///
     /// # Errors
     ///
-    /// [`DetectorFailure`] if the program does not take these.
+    /// [`DetectorFailure`] if the program does not accept the new parameters.
     #[cfg(target_os = "linux")]
     pub fn begin_with(
         &self,
@@ -95,7 +95,7 @@ impl ComparedDetector {
         }
     }
 
-    /// The same as [`Self::begin`]: there are no programs here.
+    /// As [`Self::begin`]: there are no programs on this system.
     #[cfg(not(target_os = "linux"))]
     pub fn begin_with(
         &self,
@@ -107,7 +107,7 @@ impl ComparedDetector {
 }
 
 impl ForeignDetector {
-    /// The same, with the checksums of the files that it is made of with the parameters of `config`.
+    /// Adds the checksums of the files that it is made of with the parameters of `config`.
     ///
     /// # Errors
     ///
@@ -164,7 +164,7 @@ impl ForeignDetector {
         }
     }
 
-    /// What its program gets as configuration.
+    /// Configuration for its program.
     fn configuration(
         &self,
         process: &ForeignProcess,
@@ -182,7 +182,7 @@ impl ForeignDetector {
         }
     }
 
-    /// Its parameters, as `config` has them.
+    /// Its parameters in `config`.
     pub fn parameters(&self, config: &RunConfig) -> serde_json::Map<String, serde_json::Value> {
         let written = config.resolved.get(DETECTOR_TABLE).and_then(|it| it.get(self.name));
         let written = written.and_then(|it| serde_json::to_value(it).ok());

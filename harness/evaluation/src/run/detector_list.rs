@@ -1,4 +1,4 @@
-//! The detectors there are.
+//! List of the detectors.
 
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -25,13 +25,13 @@ pub struct ListedDetector {
     pub name: &'static str,
     /// Its table in the configuration.
     pub table: &'static str,
-    /// Parameters of the table that it has whatever the configuration says, with their values.
+    /// Parameters of the table that are fixed for it, whatever the configuration says, with their values.
     pub fixed: &'static [(&'static str, &'static str)],
     model: TrainedModel,
     build: fn(&RunConfig, f32) -> Box<dyn Detector>,
 }
 
-/// The method of the papers, and nothing that is in neither.
+/// The method of the papers, without any addition.
 pub const PAPER: ListedDetector = ListedDetector {
     name: "paper",
     table: "paper",
@@ -82,7 +82,7 @@ pub const DETECTORS: &[ListedDetector] = &[
         },
     },
     PAPER,
-    // The next one like for like with the first, whose walls it has.
+    // The next one has the walls of the first, for a comparison like for like.
     ListedDetector {
         name: "kd-tree-same-walls",
         table: "kd_tree",
@@ -118,7 +118,7 @@ pub const DETECTORS: &[ListedDetector] = &[
             Box::new(pca(&config.baselines.pca, &config.hierarchical, model, sensor_height_m))
         },
     },
-    // The ablation of the first has its parameters.
+    // This one is an ablation of the first and has its parameters.
     ListedDetector {
         name: "simple-grid",
         table: "hierarchical",
@@ -130,20 +130,20 @@ pub const DETECTORS: &[ListedDetector] = &[
     },
 ];
 
-/// What a detector of groups decides by, if `groups` judges these.
+/// Models of a detector of groups that `groups` judges.
 fn group_models(config: &RunConfig, groups: Arc<GroupingModel>) -> GroupModels {
     let vehicles = if config.vehicle_models.is_some() { VehiclesBy::Model } else { VehiclesBy::Size };
     GroupModels { groups, vehicles, boxes: config.box_model() }
 }
 
-/// What a detector of clusters decides by.
+/// Models of a detector of clusters.
 fn cluster_models(config: &RunConfig) -> ObjectModels {
     let vehicles = config.vehicle_models.as_ref().map(VehicleModels::clusters);
     ObjectModels { vehicles, boxes: config.box_model() }
 }
 
-/// The detectors that run if none are asked for: the method, its strongest rival, which has the same training, the method of
-/// the papers, and the baselines of the papers.
+/// Default detectors of a run: the method, its strongest rival, which has the same training, the method of the papers, and
+/// the baselines of the papers.
 pub const DEFAULT_DETECTORS: [&str; 5] = ["hierarchical", "kd-tree-tree", "paper", "kd-tree", "pca"];
 
 /// A detector that was asked for, built in or not.
@@ -151,7 +151,7 @@ pub const DEFAULT_DETECTORS: [&str; 5] = ["hierarchical", "kd-tree-tree", "paper
 pub enum ChosenDetector {
     /// One of [`DETECTORS`].
     BuiltIn(ListedDetector),
-    /// One that the configuration defines.
+    /// A detector that the configuration defines.
     Foreign(ForeignDetector),
 }
 
@@ -163,9 +163,9 @@ pub enum DetectorListError {
     Unknown {
         /// The name.
         name: String,
-        /// All that there are.
+        /// Names of all detectors.
         known: Vec<&'static str>,
-        /// The file that was asked for others; `None` where there is none.
+        /// The file that may define others; `None` if there is none.
         file: Option<PathBuf>,
     },
     /// The verb needs a built-in detector.
@@ -203,7 +203,7 @@ impl ListedDetector {
 }
 
 impl ChosenDetector {
-    /// Whether it is results that another program made.
+    /// Whether it consists of results of another program.
     pub fn is_of_results(&self) -> bool {
         matches!(self, Self::Foreign(foreign) if matches!(foreign.work, ForeignWork::Results(_)))
     }
@@ -216,7 +216,7 @@ impl ChosenDetector {
         }
     }
 
-    /// The model that classifies its vehicles with the parameters of `config`; `None` if their size does.
+    /// The model that classifies its vehicles with the parameters of `config`; `None` if they are classified by size.
     pub fn vehicle_model(&self, config: &RunConfig) -> Option<TrainedModel> {
         config.vehicle_models.as_ref()?;
         match self {
@@ -227,7 +227,7 @@ impl ChosenDetector {
         }
     }
 
-    /// Whether the model of whole boxes makes its boxes whole with the parameters of `config`.
+    /// Whether the model of whole boxes completes its boxes with the parameters of `config`.
     pub fn has_whole_boxes(&self, config: &RunConfig) -> bool {
         let are_ours = match self {
             Self::BuiltIn(listed) => !matches!(listed.model, TrainedModel::Paper | TrainedModel::Pca),
@@ -236,7 +236,7 @@ impl ChosenDetector {
         are_ours && config.hierarchical.boxes.whole
     }
 
-    /// By what its vehicles are classified with the parameters of `config`, for people.
+    /// In words, how its vehicles are classified with the parameters of `config`.
     pub fn vehicles_in_words(&self, config: &RunConfig) -> String {
         let model = self.vehicle_model(config);
         let by = model.map_or("size", TrainedModel::in_words);
@@ -251,7 +251,7 @@ impl ChosenDetector {
         }
     }
 
-    /// Where its parameters stand in the configuration, with dots between.
+    /// Table of its parameters in the configuration, names separated by dots.
     pub fn table(&self) -> String {
         match self {
             Self::BuiltIn(listed) => listed.table.to_owned(),
@@ -343,7 +343,7 @@ mod tests {
         (scans, street.description().sensor_height_m)
     }
 
-    /// The rules that a detector shows by what it does with `scans`.
+    /// Rules of a detector that are visible in its results on `scans`.
     fn rules_seen(detector: &mut dyn Detector, scans: &[LabeledScan], min_points: usize) -> Vec<Rule> {
         let mut output = DetectorOutput::default();
         let (mut has_walls, mut is_judged, mut has_small, mut has_completed) = (false, false, false, false);
@@ -399,7 +399,7 @@ mod tests {
             assert_eq!(detector.name(), listed.name);
             let said: Vec<Rule> = detector.rules();
             n_rules.push((listed.name, said.len()));
-            // Of the bounds, and of groups within groups, nothing is to be seen from outside.
+            // The size bounds and the best cut cannot be seen from outside.
             let is_hidden = |it: &Rule| [Rule::SizeBounds, Rule::BestCut].contains(it);
             let to_be_seen: Vec<Rule> = said.into_iter().filter(|it| !is_hidden(it)).collect();
             assert_eq!(rules_seen(&mut *detector, &scans, 15), to_be_seen, "{}", listed.name);

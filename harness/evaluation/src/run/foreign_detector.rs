@@ -1,4 +1,4 @@
-//! A detector that somebody else wrote, as a configuration file defines it.
+//! A foreign detector, as a configuration file defines it.
 
 use std::collections::BTreeMap;
 use std::path::PathBuf;
@@ -9,25 +9,25 @@ use reports::vocabulary::named::named;
 
 use crate::process::message::Introduction;
 
-/// What is known of it.
+/// Definition of a foreign detector.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ForeignDetector {
     /// Its name in tables and files.
     pub name: &'static str,
     /// The folder of the file that defines it.
     pub folder: PathBuf,
-    /// How it comes to its detections.
+    /// How it makes its detections.
     pub work: ForeignWork,
-    /// What classifies vehicles among its objects, where it does not.
+    /// Rule that classifies vehicles among its objects if it predicts no class.
     pub vehicles: VehicleRule,
 }
 
-/// How a foreign detector comes to its detections.
+/// How a foreign detector makes its detections.
 #[derive(Debug, Clone, PartialEq)]
 pub enum ForeignWork {
     /// It is a program.
     Process(ForeignProcess),
-    /// It was a program somewhere else, which left its results here: a file, a folder, or the topic of a recording.
+    /// Its results, which a program made elsewhere: a file, a folder, or the topic of a recording.
     Results(PathBuf),
 }
 
@@ -36,15 +36,15 @@ pub enum ForeignWork {
 pub struct ForeignProcess {
     /// The program and its arguments.
     pub command: Vec<String>,
-    /// How long it may take from its start until it can be asked.
+    /// Time limit from its start until it can be asked.
     pub start_limit: Duration,
-    /// How long it may take for a scan.
+    /// Time limit for a scan.
     pub time_limit: Duration,
-    /// How many threads it should use at most.
+    /// Most threads that it should use.
     pub threads: u32,
-    /// SHA-256 of the files that the command and text among the parameters name; none before it is chosen.
+    /// SHA-256 of the files that the command and text parameters name; empty before it is chosen.
     pub files: BTreeMap<String, String>,
-    /// What it said of itself, once it has been started.
+    /// Its introduction, once it has been started.
     pub introduction: Arc<OnceLock<Introduction>>,
 }
 

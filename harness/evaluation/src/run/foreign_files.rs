@@ -1,4 +1,4 @@
-//! The files that a foreign detector is made of, by their content.
+//! The files that a foreign detector is made of, with checksums of their contents.
 
 use std::collections::BTreeMap;
 use std::io::{self, Read as _};
@@ -13,15 +13,15 @@ use scans::dataset::checksum::ContentChecksum;
 pub struct ForeignFileError {
     /// The file.
     pub path: PathBuf,
-    /// What the operating system said.
+    /// Error of the operating system.
     pub source: io::Error,
 }
 
-/// SHA-256 of the files that the words of `command`, and of `parameters`, name from `folder`, by these names.
+/// SHA-256 of the files that the words of `command` and of `parameters` name, relative to `folder`; by these names.
 ///
 /// A word names a file, a file's function (`detector.py:dbscan`) or a module's (`detectors.mine:dbscan`, `-m
-/// detectors.mine`). A program that is found on `PATH` is one of them only if the command names nothing else: not Python
-/// itself. What files import is not looked for.
+/// detectors.mine`). A program that is found on `PATH` counts only if no other file is named, so Python itself usually does
+/// not. Imports of the files are not followed.
 ///
 /// # Errors
 ///
@@ -32,7 +32,7 @@ pub fn files_of<'a>(
     folder: &Path,
 ) -> Result<BTreeMap<String, String>, ForeignFileError> {
     let Some((program, arguments)) = command.split_first() else { return Ok(BTreeMap::new()) };
-    // Of `python -m scanbench.serve`.
+    // Options of `python -m scanbench.serve`.
     let more_folders = arguments.array_windows().filter(|[it, _]| it == "--directory" || it == "--path");
     let folders = [folder.to_owned()].into_iter().chain(more_folders.map(|[_, it]| folder.join(it)));
     let folders: Vec<PathBuf> = folders.collect();

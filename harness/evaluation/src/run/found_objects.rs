@@ -1,4 +1,4 @@
-//! From what a foreign detector says to detections: points of boxes, boxes of points, and what is a vehicle.
+//! Detections made of the answer of a foreign detector: points of boxes, boxes of points, and classes.
 
 use std::collections::BTreeMap;
 use std::sync::Arc;
@@ -21,20 +21,20 @@ use crate::matching::eligibility::counts_as_vehicle;
 /// An object as a foreign detector reports it.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct FoundObject {
-    /// Its points, as indices into the scan, ascending; `None` for those in its box.
+    /// Its points, as indices into the scan, ascending; `None` if they are the points in its box.
     pub point_indices: Option<Vec<u32>>,
-    /// Its box in the frame of the scan; `None` for the one that we fit to its points.
+    /// Its box in the frame of the scan; `None` if we have to fit one to its points.
     pub bounding_box: Option<OrientedBox>,
     /// Its predicted class, if the detector predicts one.
     pub class: Option<AnnotationClass>,
-    /// How sure the detector is of it.
+    /// Score of the object, if the detector reports one.
     pub score: Option<f32>,
-    /// How sure it is of the box, if it says so.
+    /// Score of its box, if the detector reports one.
     pub box_score: Option<f32>,
 }
 
 impl FoundObject {
-    /// One of which only the points are known.
+    /// An object of which only the points are known.
     pub fn of_points(point_indices: Vec<u32>) -> Self {
         Self { point_indices: Some(point_indices), ..Self::default() }
     }
@@ -51,18 +51,18 @@ pub fn members_of(clusters: &[u32]) -> BTreeMap<u32, Vec<u32>> {
     members
 }
 
-/// Classifies objects whose detector predicts no class, and fits boxes to objects that come without.
+/// Classifies objects whose detector predicts no class, and fits boxes to objects that have none.
 pub struct ForeignVehicles {
     size: SizeGateParams,
     hull_fit: ConvexHullBox,
     foreground: Pipeline,
     by_model: Option<ByModel>,
     boxes: ReportedBoxes,
-    // The objects that come without a box.
+    // Detections of the objects that had no box.
     fitted: DetectorOutput,
 }
 
-/// Our own stages on their objects.
+/// Our own stages for classifying the objects.
 struct ByModel {
     stages: Stages,
     output: DetectorOutput,
@@ -72,19 +72,19 @@ struct ByModel {
 struct PreparedObject {
     points: Vec<u32>,
     bounding_box: OrientedBox,
-    // Whether we fitted that.
+    // Whether we fitted the box.
     is_fitted: bool,
     class: Option<AnnotationClass>,
     score: Option<f32>,
     box_score: Option<f32>,
 }
 
-/// Why objects cannot be made detections, as the rest of a sentence.
+/// Why objects cannot be made into detections, as the rest of a sentence.
 pub type ObjectProblem = String;
 
 impl ForeignVehicles {
-    /// By their size, as `params` have it, in scans of a sensor `sensor_height_m` above the road. Objects without a box get
-    /// the one that our own detectors would report: that of the whole vehicle, by `box_model` if there is one.
+    /// Classifies by the size in `params`, in scans of a sensor `sensor_height_m` above the road. Objects without a box get
+    /// the box that our own detectors would report: that of the whole vehicle, by `box_model` if there is one.
     pub fn by_size(
         params: &HierarchicalParams,
         box_model: Option<Arc<BoxModel>>,
@@ -100,7 +100,7 @@ impl ForeignVehicles {
         }
     }
 
-    /// The same by `model`, as our own detectors do.
+    /// As [`Self::by_size`], but classifies by `model`, as our own detectors do.
     pub fn by_model(
         params: &HierarchicalParams,
         model: VehicleModel,
@@ -121,7 +121,7 @@ impl ForeignVehicles {
     ///
     /// # Errors
     ///
-    /// If they hold more points than can be worked with.
+    /// If they hold too many points.
     pub fn detections_of(
         &mut self,
         objects: Vec<FoundObject>,
@@ -163,7 +163,7 @@ impl ForeignVehicles {
         for ((is_fitted, detection), object) in detections.zip(&prepared) {
             let mut reported = if *is_fitted { fitted.next() } else { None }.unwrap_or(detection);
             if object.score.is_some() {
-                // Scores of other people's detectors are no log odds, and so cannot be combined with ours.
+                // Scores of foreign detectors are no log odds, so they cannot be combined with ours.
                 reported.box_details.score = None;
             }
             if object.box_score.is_some() {
@@ -174,7 +174,8 @@ impl ForeignVehicles {
         Ok(())
     }
 
-    /// The class of each object, and how surely it is a vehicle: as its detector predicts, else by the model, else by size.
+    /// Class and score of each object: the class as its detector predicts, else by the model, else by size; the score as its
+    /// detector reports, else by the model.
     fn classes_of(
         &mut self,
         objects: &[PreparedObject],
@@ -204,8 +205,8 @@ impl ForeignVehicles {
         self.hull_fit.fit(positions_m.map(|[x_m, y_m, _]| [x_m, y_m]), z_range_m)
     }
 
-    /// The class that the model predicts for each object, and how surely; `None` without a model, or if the detector
-    /// predicted all.
+    /// Class and score that the model predicts for each object; `None` without a model, or if the detector predicted all
+    /// classes.
     fn classes_by_model(
         &mut self,
         objects: &[PreparedObject],
@@ -233,7 +234,7 @@ impl ForeignVehicles {
         let mut judged: Vec<_> = output.detections.iter().map(|it| (it.class, it.score)).collect();
         judged.reverse();
         self.by_model = Some(by_model);
-        // What holds no point has no shape.
+        // An object without points has no shape.
         let nothing = (DetectedClass::Object, None);
         let of_object = |has_points| if has_points { judged.pop().unwrap_or(nothing) } else { nothing };
         Some(has_points.into_iter().map(of_object).collect())
@@ -332,7 +333,7 @@ mod tests {
         let street = open_dataset("street-main-road", &options, &built_in_catalogue().unwrap()).unwrap();
         let (scan, description) = (street.read_scan(0).unwrap(), street.description());
         let config = RunConfig::load(None).unwrap().for_sensor(&description.sensor).unwrap();
-        // A car of which little is seen.
+        // A partly visible car.
         let is_car = |it: &&Annotation| it.class == AnnotationClass::Car && it.point_indices.len() >= 60;
         let cars = scan.annotations.iter().filter(is_car);
         let car = cars.min_by_key(|it| it.point_indices.len()).unwrap();
@@ -355,7 +356,7 @@ mod tests {
         let mut vehicles = ForeignVehicles::by_size(params, None, height_m);
         vehicles.detections_of(vec![as_car.clone(), scored], &scan.cloud, &mut output).unwrap();
         let [ours, theirs] = [0, 1].map(|it| output.detections.get(it));
-        // What a detector says of it ranks it.
+        // The score of the detector ranks it.
         assert_eq!((theirs.box_score(), ours.box_details.seen), (Some(0.3), theirs.box_details.seen));
         assert!(ours.score.is_none() && ours.box_score().is_some() && theirs.box_details.seen.is_some());
         let [whole, given, seen] = by_model;

@@ -1,4 +1,4 @@
-//! Pairs of objects with growing gaps, and which detectors separate them.
+//! Pairs of objects with growing gaps, and how often detectors separate them.
 //!
 //! Paper: HG section 3.2 and Fig. 7, separation of nearby objects.
 
@@ -21,14 +21,14 @@ use crate::matching::assign::MatchingParams;
 use crate::metrics::pair_separation::{PairOutcome, judge_pairs};
 use crate::run::sink::{JudgedScan, RunSink};
 
-/// Where the nearer object of a pair stands, from and to in metres from the sensor.
+/// Ranges of the nearer object of a pair, from and to in metres from the sensor.
 pub const RANGES_M: [[f32; 2]; 3] = [[5.0, 10.0], [10.0, 20.0], [20.0, 30.0]];
 /// The gaps, in decimetres.
 pub const GAPS_DM: std::ops::RangeInclusive<u16> = 2..=12;
 /// The tracks of the pair at each range.
 const PAIRS: [[u32; 2]; 3] = [[0, 1], [2, 3], [4, 5]];
 
-/// The scans of the experiment as a data set. A drive is a pair at each range that comes closer and closer; the number of a
+/// The scans of the experiment as a data set. A drive has a pair at each range, with one scan for each gap; the number of a
 /// scan is its gap in decimetres.
 #[derive(Debug, Clone)]
 pub struct StagedPairs {
@@ -41,17 +41,17 @@ pub struct StagedPairs {
 /// One scan of the experiment: a pair at each range, in three directions.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub struct Staging {
-    /// What the pairs consist of.
+    /// Kinds of the two objects.
     pub kind: PairKind,
-    /// How they stand.
+    /// How the two objects stand to each other.
     pub layout: PairLayout,
     /// The gap of all of them, in decimetres.
     pub gap_dm: u16,
-    /// Which of the drawn pairs.
+    /// Index among the drawn pairs.
     pub pair_idx: u32,
 }
 
-/// What the scans are simulated from.
+/// Inputs of the simulation.
 #[derive(Serialize)]
 struct StagedFrom<'a> {
     sensor: &'a str,
@@ -60,8 +60,8 @@ struct StagedFrom<'a> {
 }
 
 impl StagedPairs {
-    /// `n_pairs` pairs of each kind and layout at each range, each put up once with every gap, before the sensor that is
-    /// called `sensor_name`. Everything is drawn from `seed`.
+    /// `n_pairs` pairs of each kind and layout at each range, each staged once with every gap, in front of `sensor`, called
+    /// `sensor_name`. Everything is drawn from `seed`.
     pub fn new(sensor_name: &str, sensor: SensorModel, n_pairs: u32, seed: u64) -> Self {
         let of_kind = |kind| PairLayout::ALL.into_iter().map(move |layout| (kind, layout));
         let gaps = |(kind, layout)| {
@@ -99,8 +99,8 @@ impl StagedPairs {
         &self.sensor
     }
 
-    /// Makes the scan of `staging`; the pair at range number r consists of the tracks 2r and 2r + 1. The same pair
-    /// stands at the same position whatever its gap.
+    /// Makes the scan of `staging`; the pair at range number r consists of the tracks 2r and 2r + 1. A pair stands at the
+    /// same position whatever its gap.
     pub fn scan(&self, staging: &Staging) -> LabeledScan {
         let number = PairKind::ALL.iter().position(|it| *it == staging.kind).unwrap_or(0) as u64 * 2
             + u64::from(staging.layout == PairLayout::Behind);
@@ -144,12 +144,12 @@ pub struct PairTally<'a> {
 }
 
 impl<'a> PairTally<'a> {
-    /// Nothing yet of the pairs of `stagings`, which are judged by `matching`.
+    /// An empty tally of the pairs of `stagings`, which are judged by `matching`.
     pub fn new(stagings: &'a [Staging], matching: MatchingParams) -> Self {
         Self { stagings, matching, detectors: Vec::new(), counts: BTreeMap::new() }
     }
 
-    /// What was counted.
+    /// The counts.
     pub fn bins(&self) -> Vec<GapBin> {
         let bin = |(&(detector_idx, kind, layout, range_idx, gap_dm), &counts): (&Key, &PairCounts)| GapBin {
             detector: self.detectors[detector_idx].to_owned(),

@@ -1,4 +1,4 @@
-//! A pair from above that one detector joins and another separates.
+//! A pair, seen from above, that one detector joins and another separates.
 //!
 //! Paper: HG Fig. 7.
 
@@ -15,28 +15,28 @@ use crate::run::compared_detector::ComparedDetector;
 use crate::run::gap_experiment::{StagedPairs, Staging};
 use crate::run::running_detector::RunningDetector;
 
-/// The pair that is shown is one of these, at the nearest range.
+/// Kind and layout of the shown pair, which is at the nearest range.
 const SHOWN: (PairKind, PairLayout) = (PairKind::CarAndPedestrian, PairLayout::Beside);
-/// Gaps that are looked through for it, in decimetres.
+/// Gaps of the searched pairs in this order, in decimetres.
 const SHOWN_GAPS_DM: [u16; 4] = [5, 4, 6, 3];
-/// How far around the pair points are drawn, in metres.
+/// Distance from the pair up to which points are drawn, in metres.
 const ROOM_M: f32 = 0.5;
-/// About as many points of a detection are drawn: more would only be a blot.
+/// Most points of a detection that are drawn: more would only be a blot.
 const MOST_POSITIONS: usize = 250;
 
-/// A pair as two detectors see it.
+/// A pair as two detectors find it.
 #[derive(Debug, Clone, PartialEq)]
 pub struct GapPicture {
-    /// What stands there.
+    /// Name of the kind of the pair.
     pub pair: &'static str,
     /// The gap in metres.
     pub gap_m: f64,
-    /// As the one that joins and as the one that separates sees it.
+    /// The detections of the detector that joins, then of the one that separates.
     pub plans: [Plan; 2],
 }
 
 /// The first of `n_pairs` pairs of which the first of `compared_detectors` makes one object and the second two; `None` if
-/// there is none.
+/// there is no such pair.
 ///
 /// # Errors
 ///

@@ -1,6 +1,5 @@
-//! What detectors are timed beside: points written into one coarse grid in the plainest way, the least that any grid method
-//! has to do. It is none of the rivals, and no parameter changes it, so that a ratio of times is another only where a
-//! detector is.
+//! Reference for the times of detectors: writes points into one coarse grid in the plainest way, the least work of any grid
+//! method. It is none of the rivals, and no parameter changes it, so that ratios of times change only with the detectors.
 
 use std::hint::black_box;
 use std::time::{Duration, Instant};
@@ -9,13 +8,13 @@ use detector::PointCloud;
 
 /// Side of a cell, as in the paper.
 const CELL_SIZE_M: f32 = 0.6;
-/// Farther from the sensor than this, along either axis, no point is written.
+/// Points farther from the sensor than this, along either axis, are not written, in metres.
 const EXTENT_M: f32 = 80.0;
 const N_COLUMNS: usize = (2.0 * EXTENT_M / CELL_SIZE_M) as usize + 1;
-/// Writes of which the shortest counts: the first finds the points as cold as whoever looked at them before left them.
+/// Number of writes, of which the shortest counts: before the first one the points may not be in the cache.
 const N_WRITES: usize = 5;
 
-/// Count, lowest, highest and sum of the points above a cell.
+/// Number of the points above a cell, and lowest, highest and sum of their heights.
 #[derive(Debug, Clone, Copy, PartialEq)]
 struct PlainCell {
     n_points: u32,
@@ -40,7 +39,7 @@ impl Default for GridWrite {
 }
 
 impl GridWrite {
-    /// The time of writing `cloud`: the shortest of some writes one after the other.
+    /// The time of writing `cloud`: the shortest of several writes one after the other.
     pub fn time(&mut self, cloud: &PointCloud) -> Duration {
         let times = (0..N_WRITES).map(|_| self.time_once(cloud));
         times.min().unwrap_or_default()

@@ -1,17 +1,17 @@
-//! Names that come from outside, as long as the program lives.
+//! Names that come from outside, kept as long as the program runs.
 
 use std::collections::BTreeSet;
 use std::sync::{Mutex, PoisonError};
 
 static KEPT: Mutex<BTreeSet<&'static str>> = Mutex::new(BTreeSet::new());
 
-/// Different names that are kept at most: an endless stream of new ones must not fill the memory.
+/// Most different names that are kept: an endless stream of new ones must not fill the memory.
 const MOST_NAMES: usize = 10_000;
-/// What the names beyond are called.
+/// Stands for all further names.
 const ONE_OF_MANY: &str = "other";
 
-/// The same name. Detectors, stages and products have names that are part of the program; those of others are kept here,
-/// each once.
+/// `name` with a static lifetime; "other" if too many names are kept. Names of built-in detectors, stages and products are
+/// part of the program; names of foreign ones are kept here, each once.
 pub fn kept(name: &str) -> &'static str {
     let mut kept = KEPT.lock().unwrap_or_else(PoisonError::into_inner);
     if let Some(known) = kept.get(name) {

@@ -1,4 +1,4 @@
-//! A detector that is a program of its own, started again where it fails.
+//! A detector that is a program of its own, started again after a failure.
 
 use std::time::Duration;
 
@@ -18,9 +18,9 @@ use crate::run::found_objects::{ForeignVehicles, FoundObject, members_of};
 use crate::run::kept_names::kept;
 use crate::run::running_detector::{DetectionTime, RunningDetector};
 
-/// After so many failures without an answer between, it is not started again.
+/// After so many failures without an answer in between, it is not started again.
 const MOST_FAILURES: u32 = 3;
-/// Stands before the names of stages whose times the detector took itself.
+/// Prefix of the names of stages whose times the detector measured itself.
 pub const REPORTED: &str = "reported: ";
 
 /// The product that says which points are ground: those whose value is not 0.
@@ -29,7 +29,7 @@ pub const GROUND_PRODUCT: &str = "ground";
 /// The name of a detector that reads the points and finds nothing.
 pub const NOTHING: &str = "nothing";
 
-/// The detector.
+/// A detector that is a program of its own.
 pub struct ProcessDetector {
     name: &'static str,
     process: ForeignProcess,
@@ -43,11 +43,11 @@ pub struct ProcessDetector {
     // Of the latest scan.
     clusters: Vec<Option<u32>>,
     products: Vec<(String, Vec<u8>)>,
-    // Of any scan so far.
+    // Whether it reported ground points in any scan so far.
     reports_ground: bool,
 }
 
-/// A program that reads the points of a scan, and answers that none of them is of an object.
+/// A program that reads the points of a scan and finds nothing.
 enum OverheadProbe {
     NotStarted,
     Running(Box<Conversation>),
@@ -86,11 +86,11 @@ impl ProcessDetector {
         }
     }
 
-    /// The same, with the program of another that had other parameters.
+    /// Reuses the program of a detector that had other parameters.
     ///
     /// # Errors
     ///
-    /// If it does not take the new ones.
+    /// If the program does not accept the new parameters.
     pub fn with_program(mut self, mut conversation: Conversation) -> Result<Self, DetectorFailure> {
         let is_the_same = conversation.has(&self.configuration);
         let taken = if is_the_same { Ok(()) } else { conversation.configure_anew(&self.configuration) };
@@ -146,13 +146,13 @@ impl ProcessDetector {
             }
             (None, problem) => (problem, Vec::new()),
         };
-        // What the machine cannot do is no detector's missed scan.
+        // A scan that the machine prevents is not held against the detector: the run ends.
         let is_final = self.n_failures >= MOST_FAILURES || matches!(problem, DetectorProblem::Machine(_));
         let scan = scan.map(|it| it.id.to_string());
         DetectorFailure { detector: self.name.to_owned(), scan, problem, last_words, is_final }
     }
 
-    /// What the way there and back takes.
+    /// Time from the question to the answer without detection; `None` if it cannot be measured.
     fn time_overhead(&mut self, scan: &LabeledScan, time_s: f64) -> Option<Duration> {
         if matches!(self.probe, OverheadProbe::NotStarted) {
             let start = StartedProgram { command: probe_command(), threads: 1, ..self.start.clone() };
@@ -232,7 +232,7 @@ impl RunningDetector for ProcessDetector {
     fn ground_points(&self, cloud: &PointCloud) -> Option<Vec<bool>> {
         match self.products.iter().find(|(name, _)| name == GROUND_PRODUCT) {
             Some((_, values)) => Some(values.iter().map(|it| *it != 0).collect()),
-            // Where it gives no answer, it has classified no point as ground.
+            // If it gives no answer, it has classified no point as ground.
             None => self.reports_ground.then(|| vec![false; cloud.len()]),
         }
     }

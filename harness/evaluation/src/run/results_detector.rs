@@ -1,4 +1,4 @@
-//! A detector that was at work somewhere else: its results are read, and judged as ours are. It has no times.
+//! A detector that ran elsewhere: its results are read, and judged as those of our detectors. It has no times.
 
 use detector::stage_product::{Shape, StageProduct};
 use detector::{DetectedClass, Detection, DetectorOutput, PointCloud};
@@ -15,21 +15,21 @@ use crate::process::problem::{DetectorFailure, DetectorProblem};
 use crate::run::found_objects::{ForeignVehicles, FoundObject, members_of};
 use crate::run::running_detector::{DetectionTime, RunningDetector};
 
-/// The detector, in the scans of one data set.
+/// Results of a detector in the scans of one data set.
 pub struct ResultsDetector {
     name: &'static str,
     results: Option<ForeignResults>,
     vehicles: ForeignVehicles,
-    // Of the latest scan, which may be asked for again.
+    // The latest scan, which may be asked for again.
     latest: Option<ReadScan>,
 }
 
-/// What was read for a scan.
+/// Results of a scan.
 struct ReadScan {
     id: ScanId,
     output: DetectorOutput,
     official: Vec<OfficialObject>,
-    // `None` of results that are not in KITTI's files.
+    // `None` if the results are not in KITTI's files.
     kitti_objects: Option<Vec<KittiObject>>,
     point_labels: Option<Vec<u32>>,
 }
@@ -134,7 +134,7 @@ impl RunningDetector for ResultsDetector {
     }
 }
 
-/// What was found as objects: each box, or else each cluster.
+/// Objects of the results: each box, or else each cluster.
 fn objects_of(found: ForeignDetections) -> Vec<FoundObject> {
     let ForeignDetections { clusters, cluster_classes, boxes, .. } = found;
     let mut members = clusters.as_deref().map(members_of);
@@ -146,7 +146,7 @@ fn objects_of(found: ForeignDetections) -> Vec<FoundObject> {
             .collect();
     }
     let object = |(id, it): (u32, &ForeignBox)| FoundObject {
-        // Without clusters the points are those in the box; a box beside clusters may have none.
+        // Without clusters the points are those in the box; if there are clusters, a box may have no points.
         point_indices: members.as_mut().map(|it| it.remove(&id).unwrap_or_default()),
         bounding_box: Some(it.bounding_box),
         class: it.class,

@@ -1,4 +1,4 @@
-//! The same streets under one condition after another.
+//! Streets that are simulated under one condition after another.
 
 use nalgebra::Isometry3;
 use scans::annotation::LabeledScan;
@@ -10,10 +10,10 @@ use simulator::StreetKind;
 use simulator::simulated_street::{Shutter, StreetDrive, open_simulated_street};
 use simulator::street_conditions::StreetConditions;
 
-/// One condition: what it changes of the standard drive.
+/// One condition: a change of the standard drive.
 #[derive(Debug, Clone)]
 pub struct Condition {
-    /// What conditions of this kind have in common.
+    /// Name of the group of conditions.
     pub group: &'static str,
     /// Its name.
     pub name: &'static str,
@@ -22,13 +22,13 @@ pub struct Condition {
     change: fn(&mut StreetDrive),
 }
 
-/// Turns of the sensor from one scan to the next.
+/// Number of turns of the sensor from one scan to the next.
 const TURNS_PER_SCAN: u32 = 30;
 
-/// Every condition, in the order of the table. Nothing is tuned on them: detectors learn which sensor it is and how high it
-/// is mounted, and nothing else. The trees of `hierarchical`, its rivals and the vehicle model of clusters were trained on
-/// other drives under some of them, rain of 20 mm/h and hills of 10 % among these. No model was trained with the new
-/// sensors, and they have no shipped density curve: it is learned from five of their scans.
+/// Every condition, in the order of the table. Nothing is tuned on them: detectors are told only the sensor and its height.
+/// The trees of `hierarchical`, its rivals and the vehicle model of clusters were trained on other drives under some of
+/// them, rain of 20 mm/h and hills of 10 % among these. No model was trained with the new sensors, and they have no shipped
+/// density curve: it is learned from five of their scans.
 pub const CONDITIONS: &[Condition] = &[
     trained("standard", "hdl-64e-s2, 1.73 m", |_| {}),
     unseen("road", "level", |it| it.conditions = even(0.0)),
@@ -123,14 +123,14 @@ struct JoinedDrives {
     indices: Vec<[usize; 2]>,
 }
 
-/// What such a data set is simulated from.
+/// Inputs of the simulation of such a data set.
 #[derive(Serialize)]
 struct SimulatedDrives {
     drives: Vec<StreetDrive>,
 }
 
 impl JoinedDrives {
-    /// Opens `drives`, of which there is one at least, with one sensor at one height, as the data set `id`.
+    /// Opens `drives`, at least one, all with one sensor at one height, as the data set `id`.
     fn open(id: &str, drives: Vec<StreetDrive>) -> Result<Self, DatasetError> {
         let opened: Vec<Box<dyn Dataset>> = drives
             .iter()

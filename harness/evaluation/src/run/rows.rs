@@ -1,4 +1,4 @@
-//! From what became of a scan to its rows, of which every number of a report is made.
+//! Rows of a scan, made of its outcomes; every number of a report is made of rows.
 
 use std::time::Duration;
 
@@ -23,36 +23,36 @@ use crate::metrics::segmentation_quality::segmentation_quality;
 /// The rows of one scan and detector.
 #[derive(Debug, Clone, PartialEq)]
 pub struct DetectorRows {
-    /// Those of each task.
+    /// Rows of each task.
     pub tasks: Vec<TaskRows>,
-    /// Those of `stages.csv`, in the order of the stages.
+    /// Rows of `stages.csv`, in the order of the stages.
     pub stages: Vec<StageRow>,
 }
 
 /// The rows of one scan, detector and task.
 #[derive(Debug, Clone, PartialEq)]
 pub struct TaskRows {
-    /// That of `scans.csv`.
+    /// Row of `scans.csv`.
     pub scan: ScanRow,
-    /// Those of `matches.csv`.
+    /// Rows of `matches.csv`.
     pub matches: Vec<MatchRow>,
 }
 
-/// What rows are made of.
+/// A scan of which rows are made.
 #[derive(Debug, Clone, Copy)]
 pub struct RowsOf<'a> {
     /// The scan.
     pub scan: &'a LabeledScan,
     /// Its checksum, as it was read.
     pub checksum: u32,
-    /// When it was taken, in seconds since the first of its drive, if that is known.
+    /// Seconds since the first scan of its drive, if known.
     pub time_s: Option<f64>,
 }
 
 impl DetectorRows {
-    /// The rows of what a detector made of a scan.
+    /// Makes the rows of the results of a detector on a scan.
     ///
-    /// They are as they are written, so that numbers made of the files are those of the run, to the last digit.
+    /// Values are rounded as in the files, so that numbers made of the files equal those of the run to the last digit.
     pub fn new(
         dataset: &DatasetDescription,
         criterion: Criterion,
@@ -128,8 +128,8 @@ fn scan_row(
     }
 }
 
-/// Annotations with what found them, then the detections that found none. A tall annotation stands in one row with the
-/// detection that found it all the same.
+/// Annotations with the detections that found them, then the detections that found none. A tall annotation shares a row
+/// with the detection that found it, if there is one.
 fn match_rows(
     dataset: &DatasetDescription,
     criterion: CriterionKind,
@@ -250,7 +250,7 @@ mod tests {
         }
     }
 
-    /// What comes of detections of these points, each with a box at `x_m`.
+    /// Rows for detections of these points, each with a box at `x_m`.
     fn rows_of(scan: &LabeledScan, detections: &[(std::ops::Range<u32>, f32)]) -> (ScanRow, Vec<MatchRow>) {
         let mut output = DetectorOutput::default();
         for (points, x_m) in detections {
@@ -323,7 +323,7 @@ mod tests {
         };
         assert_eq!(of_tree(&[]), (Some((3, None)), 0));
         assert_eq!(of_tree(&[(90..120, 60.0)]), (Some((3, Some(0.0))), 0));
-        // Too little to find it, but on it.
+        // Too few points to find it, but on it.
         assert_eq!(of_tree(&[(90..100, 60.0)]), (Some((3, None)), 1));
     }
 

@@ -1,4 +1,4 @@
-//! A detector at work on the scans of a data set, wherever it runs.
+//! A detector that runs on the scans of a data set: built in, another program, or results.
 
 use std::time::{Duration, Instant};
 
@@ -13,18 +13,18 @@ use crate::process::problem::DetectorFailure;
 /// The times of a detection.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub struct DetectionTime {
-    /// Time that passed; `None` if nothing was detected here, but read.
+    /// Wall-clock time; `None` if the detections were read instead of made.
     pub wall: Option<Duration>,
-    /// Time on processors, on all threads and in all processes of the detector; `None` where the system does not report it.
+    /// Time on processors, on all threads and in all processes of the detector; `None` if the system does not report it.
     pub cpu: Option<Duration>,
-    /// What the way to the detector and back takes, measured beside; `None` where there is none.
+    /// Time of the way to the detector and back, measured separately; `None` if there is no such way or it was not measured.
     pub overhead: Option<Duration>,
 }
 
 /// A program that has been started.
 #[cfg(target_os = "linux")]
 pub type BegunConversation = crate::process::conversation::Conversation;
-/// There is none here.
+/// There are no programs on this system.
 #[cfg(not(target_os = "linux"))]
 #[derive(Debug)]
 pub enum BegunConversation {}
@@ -47,16 +47,15 @@ pub trait RunningDetector: Send {
         output: &mut DetectorOutput,
     ) -> Result<DetectionTime, DetectorFailure>;
 
-    /// What the stages of the latest detection left behind, as [`Detector::stage_products`].
+    /// Products of the stages of the latest detection, as [`Detector::stage_products`].
     fn stage_products(&self, cloud: &PointCloud) -> Vec<StageProduct>;
 
-    /// What was found in the scan `id`, which it was asked for last, as the file that it was read from has it; nothing where
-    /// there is no such file.
+    /// Objects of the latest scan, `id`, as the file has them from which they were read; empty if there is no such file.
     fn official_objects(&self, _id: &ScanId) -> &[OfficialObject] {
         &[]
     }
 
-    /// The same of KITTI's files; `None` where it was read from no such file.
+    /// Objects of the latest scan, `id`, as KITTI's file has them; `None` if they were read from no such file.
     fn kitti_objects(&self, _id: &ScanId) -> Option<&[KittiObject]> {
         None
     }
@@ -66,33 +65,33 @@ pub trait RunningDetector: Send {
         None
     }
 
-    /// The label of every point of `scan`, the latest that it was asked for: class and instance, if it predicts labels in
+    /// Label of every point of the latest scan, `scan`: class and instance; `None` unless it predicts labels in
     /// SemanticKITTI's format. In a scan in which it found nothing, all points are unlabelled.
     fn point_labels(&self, _scan: &LabeledScan) -> Option<Vec<u32>> {
         None
     }
 
-    /// What it does beside finding clusters.
+    /// Rules that it applies besides finding clusters.
     fn rules(&self) -> Vec<Rule> {
         Vec::new()
     }
 
-    /// The program that it speaks to, if it is one, for another with other parameters.
+    /// Its program, to be reused with other parameters; `None` if it is no program.
     fn into_conversation(self: Box<Self>) -> Option<BegunConversation> {
         None
     }
 
-    /// Ends it. Returns what the user should know of its end.
+    /// Ends it. Returns warnings for the user.
     fn finish(self: Box<Self>) -> Vec<String> {
         Vec::new()
     }
 }
 
-/// One that is built in, under the name it has here.
+/// A built-in detector under a name.
 pub struct BuiltIn {
     name: &'static str,
     detector: Box<dyn Detector>,
-    // Detections, and those of them that left groups uncut.
+    // Number of detections, and of those that left groups uncut.
     n_detections: usize,
     n_with_groups_uncut: usize,
 }
@@ -149,7 +148,7 @@ impl RunningDetector for BuiltIn {
     }
 }
 
-/// One that cannot work on this system.
+/// A detector that cannot run on this system.
 #[cfg(not(target_os = "linux"))]
 pub(super) struct NotHere(pub(super) &'static str);
 
@@ -182,14 +181,14 @@ impl RunningDetector for NotHere {
     }
 }
 
-/// User and system, on all threads; `None` where the system does not report it.
+/// User and system time of all threads; `None` if the system does not report it.
 #[cfg(target_os = "linux")]
 fn own_cpu_time() -> Option<Duration> {
     let time = rustix::time::clock_gettime(rustix::time::ClockId::ProcessCPUTime);
     Some(Duration::new(time.tv_sec.try_into().ok()?, time.tv_nsec.try_into().ok()?))
 }
 
-/// User and system, on all threads; `None` where the system does not report it.
+/// User and system time of all threads; `None` if the system does not report it.
 #[cfg(not(target_os = "linux"))]
 fn own_cpu_time() -> Option<Duration> {
     None

@@ -1,4 +1,4 @@
-//! What records a run scan by scan, and what it gets of each scan.
+//! Recorders of a run, scan by scan, and their input.
 
 use std::fmt;
 
@@ -6,42 +6,42 @@ use super::sink::JudgedScan;
 
 /// A scan that is recorded.
 pub struct RecordedScan<'a> {
-    /// The scan with what all detectors made of it.
+    /// The scan with the results of all detectors.
     pub judged: &'a JudgedScan<'a>,
-    /// Positions in it that are pointed at.
+    /// Marked positions in it.
     pub marks: &'a [Mark],
 }
 
-/// A position that is pointed at.
+/// A marked position.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Mark {
-    /// On the ground plan of the sensor, in metres.
+    /// Position on the ground plan, in the frame of the sensor, in metres.
     pub position_m: [f32; 2],
-    /// What is there.
+    /// Label of the mark.
     pub text: String,
 }
 
 /// Records scans while a run goes on.
 pub trait ScanRecorder {
-    /// Why it cannot.
+    /// Why a scan cannot be recorded.
     type Error;
 
-    /// Records one scan, if it is its turn. Returns a warning the first time that something is lost.
+    /// Records one scan, if it is selected for recording. Returns a warning the first time that data is lost.
     ///
     /// # Errors
     ///
     /// If the recording cannot be written.
     fn record(&mut self, recorded: &RecordedScan<'_>) -> Result<Option<String>, Self::Error>;
 
-    /// Ends the recording, which is complete then.
+    /// Completes the recording.
     ///
     /// # Errors
     ///
-    /// If it is not complete.
+    /// If the recording cannot be completed.
     fn finish(self) -> Result<RecordingEnding, Self::Error>;
 }
 
-/// A view of what a stage of a detector leaves behind, as a figure shows it.
+/// A view of the products of a stage of a detector, as a figure shows it.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct FigureView {
     /// Its name.
@@ -55,14 +55,14 @@ pub struct FigureView {
 /// How a recording ended.
 #[derive(Debug)]
 pub struct RecordingEnding {
-    /// What was lost, if it has not been said before.
+    /// Warning of lost data, if it has not been returned before.
     pub warning: Option<String>,
-    /// The server that still has the recording.
+    /// The server that still serves the recording.
     pub served: Option<Box<dyn Served>>,
 }
 
 /// A recording that is complete and can be connected to until this is dropped.
 pub trait Served: fmt::Debug {
-    /// Where.
+    /// Address of the recording.
     fn url(&self) -> &str;
 }

@@ -20,41 +20,41 @@ use crate::process::problem::DetectorFailure;
 use crate::run::grid_write::GridWrite;
 use crate::run::running_detector::{DetectionTime, RunningDetector};
 
-/// What is run, and how.
+/// Settings of a run on one data set.
 pub struct SideBySide<'a> {
-    /// Where the scans come from.
+    /// The data set of the scans.
     pub dataset: &'a dyn Dataset,
-    /// Which of its scans, as indices into [`Dataset::scan_ids`].
+    /// The selected scans, as indices into [`Dataset::scan_ids`].
     pub scan_indices: &'a [usize],
-    /// Which of these are looked at, as indices among them: all, or those of a shard.
+    /// The part of `scan_indices` that is run: all, or that of a shard.
     pub part: Range<usize>,
-    /// Scans that were selected of the data sets before this one.
+    /// Number of scans that were selected of the data sets before this one.
     pub n_before: usize,
     /// How detections are judged.
     pub matching: MatchingParams,
-    /// Detections of the first scan, for each detector, that are thrown away before anything is timed.
+    /// Number of detections of the first scan, for each detector, that are thrown away before the timed ones.
     pub n_warmup: usize,
-    /// How often each detector looks at each scan; more than once, and the shortest time is less disturbed by the machine.
+    /// How often each detector detects in each scan. With repetitions the machine disturbs the shortest time less.
     pub n_repeats: NonZeroUsize,
-    /// Scans that are read (or simulated) at once, each on a thread of its own. Nothing is read while a detector runs.
+    /// Number of scans that are read (or simulated) at once, each on its own thread. No scan is read while a detector runs.
     pub n_jobs: usize,
-    /// What becomes of the run where a detector fails.
+    /// Whether the run goes on if a detector fails.
     pub on_failure: OnDetectorFailure,
     /// Ends the run at the next scan once it is set.
     pub interrupted: &'a AtomicBool,
 }
 
-/// What becomes of a run where a detector gives no answer.
+/// Whether a run goes on if a detector gives no answer.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub enum OnDetectorFailure {
-    /// It ends.
+    /// The run ends.
     #[default]
     Stop,
-    /// The detector has found nothing in the scan, and the run goes on unless it cannot be asked any more.
+    /// The detector counts as having found nothing in the scan, and the run goes on unless the failure is final.
     Skip,
 }
 
-/// What one detector made of one scan.
+/// Results of one detector on one scan.
 #[derive(Debug, Clone)]
 pub struct DetectorScan {
     /// Name of the detector.
@@ -63,32 +63,31 @@ pub struct DetectorScan {
     pub output: DetectorOutput,
     /// Times of the whole detection on a monotonic clock: no reading, matching or logging.
     pub times: DetectionTimes,
-    /// Why it found nothing, if it gave no answer.
+    /// The failure, if it gave no answer.
     pub failure: Option<DetectorFailure>,
-    /// What became of annotations and detections, one entry for each of [`Task::ALL`].
+    /// Outcomes of annotations and detections, one entry for each of [`Task::ALL`].
     pub assignments: Vec<Assignment>,
 }
 
-/// How long a detector took for a scan.
+/// Times of a detector for a scan.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub struct DetectionTimes {
-    /// The first repetition: what a detection takes that sees the scan for the first time. `None` of a detector that failed,
-    /// or whose detections were read.
+    /// The first repetition: time of a detection that sees the scan for the first time. `None` if the detector failed, or
+    /// its detections were read.
     pub first: Option<Duration>,
     /// The shortest of all repetitions.
     pub least: Option<Duration>,
-    /// Time on processors in the first repetition; `None` where the system does not report it.
+    /// Time on processors in the first repetition; `None` if the system does not report it.
     pub cpu: Option<Duration>,
-    /// The shortest way to the detector and back; `None` of built-in ones.
+    /// The shortest time of the way to the detector and back; `None` for built-in detectors.
     pub overhead: Option<Duration>,
-    /// The shortest of all repetitions of the [reference](GridWrite), in turns with the detectors; `None` if it was not
-    /// timed.
+    /// The shortest time of the [reference](GridWrite), which takes turns with the detectors; `None` if it was not timed.
     pub reference: Option<Duration>,
 }
 
-/// One scan with what all detectors made of it.
+/// One scan with the results of all detectors.
 pub struct ScanResults<'a> {
-    /// Index of the scan among all that were selected of its data set, from 0, whatever part of them is run.
+    /// Index of the scan among all selected scans of its data set, from 0, whichever part of them is run.
     pub run_idx: usize,
     /// The scan.
     pub scan: &'a LabeledScan,
@@ -96,7 +95,7 @@ pub struct ScanResults<'a> {
     pub checksum: u32,
     /// When it was taken.
     pub time: &'a ScanTime,
-    /// What each detector made of it, in the order of `detectors`.
+    /// Results of each detector, in the order of `detectors`.
     pub results: &'a [DetectorScan],
     /// The detectors, which still hold the stage products of this scan.
     pub detectors: &'a [Box<dyn RunningDetector>],
@@ -111,12 +110,12 @@ pub enum RunError {
     /// A detector failed.
     #[error(transparent)]
     Detector(#[from] DetectorFailure),
-    /// The user asked for it.
+    /// The user interrupted it.
     #[error("interrupted after {n_done} of {n_scans} scans")]
     Interrupted {
-        /// Scans that were done.
+        /// Number of scans that were done.
         n_done: usize,
-        /// Scans that were asked for.
+        /// Number of scans that were to be run.
         n_scans: usize,
     },
 }
@@ -124,12 +123,13 @@ pub enum RunError {
 impl SideBySide<'_> {
     /// Runs `detectors` on every scan and hands each scan's results to `on_scan`, in the order of the scans.
     ///
-    /// The detectors, and the reference, take turns scan by scan and repetition by repetition, in alternating order, so that
-    /// a disturbance of the machine meets all of them.
+    /// The detectors and the reference take turns scan by scan and repetition by repetition, in alternating order, so that
+    /// a disturbance of the machine affects all of them.
     ///
     /// # Errors
     ///
-    /// [`RunError`] if a scan cannot be read or the run is interrupted, and whatever `on_scan` returns.
+    /// [`RunError`] if a scan cannot be read, a detector failure ends the run, or the run is interrupted; and errors of
+    /// `on_scan`.
     pub fn run<E: From<RunError>>(
         &self,
         detectors: &mut [Box<dyn RunningDetector>],
@@ -142,7 +142,8 @@ impl SideBySide<'_> {
     ///
     /// # Errors
     ///
-    /// [`RunError`] if `on_damage` returns the error or the run is interrupted, and whatever `on_scan` returns.
+    /// [`RunError`] if `on_damage` returns the error, a detector failure ends the run, or the run is interrupted; and errors
+    /// of `on_scan`.
     pub fn run_past_damage<E: From<RunError>>(
         &self,
         detectors: &mut [Box<dyn RunningDetector>],
@@ -204,7 +205,7 @@ impl SideBySide<'_> {
         let mut thrown_away = DetectorOutput::default();
         for detector in detectors {
             for _ in (0..self.n_warmup).take_while(|_| !self.is_interrupted()) {
-                // It is asked once more when the scan counts.
+                // It is asked again when the scan counts.
                 if self.unless_skipped(detector.detect(scan, time_s, &mut thrown_away))?.is_err() {
                     break;
                 }
@@ -213,7 +214,7 @@ impl SideBySide<'_> {
         Ok(())
     }
 
-    /// Fills the outputs of all detectors, and says how long each took, or why it gave no answer.
+    /// Fills the outputs of all detectors. Returns the times of each, or why it gave no answer.
     fn detect_all(
         &self,
         run_idx: usize,
@@ -226,7 +227,7 @@ impl SideBySide<'_> {
         let mut of_reference = Duration::MAX;
         let mut turns: Vec<Turns> = vec![Turns::default(); detectors.len()];
         let mut first_stage_times = Vec::new();
-        // Once asked to end, what is begun is finished, but not repeated.
+        // After an interruption the first repetition is finished, but no other is begun.
         for repeat in (0..self.n_repeats.get()).take_while(|it| *it == 0 || !self.is_interrupted()) {
             let mut order: Vec<Option<usize>> = (0..detectors.len()).map(Some).chain([None]).collect();
             if (run_idx + repeat) % 2 == 1 {
@@ -259,7 +260,7 @@ impl SideBySide<'_> {
         Ok(turns)
     }
 
-    /// The failure itself where the run goes on all the same.
+    /// Ends the run after a failure, unless it is to be skipped; then returns the failure.
     fn unless_skipped(
         &self,
         taken: Result<DetectionTime, DetectorFailure>,
@@ -272,7 +273,7 @@ impl SideBySide<'_> {
         }
     }
 
-    /// What became of all that was detected.
+    /// Results of all detectors, with the outcomes of all annotations and detections.
     fn results(
         &self,
         scan: &LabeledScan,
@@ -325,7 +326,7 @@ impl Turns {
                 self.times.least = least(self.times.least, taken.wall);
                 self.times.overhead = least(self.times.overhead, taken.overhead);
             }
-            // Times of a detection that was repeated in vain are none of an answer.
+            // If a repetition fails, the times of the earlier ones do not count.
             Err(failure) => *self = Self { times: DetectionTimes::default(), failure: Some(failure) },
         }
     }

@@ -9,7 +9,7 @@ use scans::annotation::LabeledScan;
 use super::running_detector::RunningDetector;
 use crate::process::problem::DetectorFailure;
 
-/// What a detector made of a scan.
+/// Results of a detector on a scan.
 #[derive(Debug, Clone)]
 pub struct SingleScan {
     /// Its detections.
@@ -20,15 +20,15 @@ pub struct SingleScan {
     pub stages: Vec<(&'static str, Latencies)>,
 }
 
-/// Why a scan was not looked at as often as it should be.
+/// Why the repetitions ended early.
 #[derive(Debug, thiserror::Error)]
 pub enum SingleScanError {
-    /// The user asked for an end.
+    /// The user interrupted them.
     #[error("interrupted after {n_done} of {n_repeats} detections")]
     Interrupted {
-        /// Detections that were done.
+        /// Number of detections that were done.
         n_done: usize,
-        /// Detections that were asked for.
+        /// Number of detections that were to be done.
         n_repeats: usize,
     },
     /// The detector failed.
@@ -36,7 +36,7 @@ pub enum SingleScanError {
     Detector(#[from] DetectorFailure),
 }
 
-/// Lets `detector` look at `scan` again and again, at least once.
+/// Repeats the detection in `scan` `n_repeats` times, at least once.
 ///
 /// # Errors
 ///

@@ -1,4 +1,4 @@
-//! What watches a run, scan by scan.
+//! Sinks: they watch a run scan by scan.
 
 use scans::annotation::ScanId;
 use scans::dataset::{Dataset, DatasetDescription, DatasetError};
@@ -13,27 +13,27 @@ use crate::matching::criterion::Criterion;
 pub struct WatchedDataset<'a> {
     /// The data set.
     pub dataset: &'a dyn Dataset,
-    /// Which of its scans, as indices into [`Dataset::scan_ids`].
+    /// The selected scans, as indices into [`Dataset::scan_ids`].
     pub scan_indices: &'a [usize],
-    /// How many of them are looked at: all, or those of a shard.
+    /// How many of them are run: all, or those of a shard.
     pub n_scans: usize,
-    /// Scans that were selected of the data sets before it.
+    /// Number of scans that were selected of the data sets before this one.
     pub n_before: usize,
     /// How detections are judged.
     pub criterion: Criterion,
 }
 
-/// A scan with what all detectors made of it.
+/// A scan with the results of all detectors.
 pub struct JudgedScan<'a> {
     /// Its data set.
     pub watched: WatchedDataset<'a>,
-    /// What the detectors made of it.
+    /// Results of the detectors.
     pub results: &'a ScanResults<'a>,
-    /// The same as rows, in the order of the detectors.
+    /// Rows of the results, in the order of the detectors.
     pub rows: Vec<DetectorRows>,
 }
 
-/// Watches a run: writes files, sums up, draws, or says how far it is. `E` is why it cannot.
+/// Watches a run: writes files, sums up, draws, or reports progress. `E` is its error.
 pub trait RunSink<E> {
     /// A data set begins.
     ///
@@ -55,7 +55,7 @@ pub trait RunSink<E> {
     ///
     /// # Errors
     ///
-    /// If what was written for it is not complete.
+    /// If the output for it is not complete.
     fn end_dataset(&mut self) -> Result<(), E> {
         Ok(())
     }
@@ -64,16 +64,17 @@ pub trait RunSink<E> {
     ///
     /// # Errors
     ///
-    /// If what was written is not complete.
+    /// If the output is not complete.
     fn finish(self: Box<Self>) -> Result<(), E> {
         Ok(())
     }
 
-    /// The run was interrupted. The same happens as at its end, unless the files would look like those of the whole run.
+    /// The run was interrupted. By default this is as [`Self::finish`]; a sink whose files would look like those of the
+    /// whole run does otherwise.
     ///
     /// # Errors
     ///
-    /// If what was written is not complete.
+    /// If the output is not complete.
     fn break_off(self: Box<Self>) -> Result<(), E> {
         self.finish()
     }
@@ -82,7 +83,7 @@ pub trait RunSink<E> {
 /// The sinks of a run.
 pub type Sinks<'a, E> = Vec<Box<dyn RunSink<E> + 'a>>;
 
-/// How much was judged.
+/// Numbers of judged scans and annotations.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct Judged {
     /// Number of scans.
@@ -101,17 +102,17 @@ impl<'a> JudgedScan<'a> {
         Self { watched, results, rows: rows.collect() }
     }
 
-    /// Which of the data set's scans it is.
+    /// Index of the scan in its data set.
     pub fn scan_idx(&self) -> usize {
         self.watched.scan_indices[self.results.run_idx]
     }
 
-    /// Its number among all scans that were selected for the run, from 0, whatever part of them is run.
+    /// Its number among all selected scans of the run, from 0, whichever part of them is run.
     pub fn number(&self) -> usize {
         self.watched.n_before + self.results.run_idx
     }
 
-    /// What is known about its data set.
+    /// Description of its data set.
     pub fn dataset(&self) -> &'a DatasetDescription {
         self.watched.dataset.description()
     }
@@ -127,7 +128,7 @@ impl<'a> JudgedScan<'a> {
 ///
 /// # Errors
 ///
-/// As [`SideBySide::run_past_damage`], and whatever a sink returns.
+/// As [`SideBySide::run_past_damage`], and errors of the sinks.
 pub fn run_watched<E: From<RunError>>(
     side_by_side: &SideBySide<'_>,
     detectors: &mut [Box<dyn RunningDetector>],
@@ -153,7 +154,7 @@ pub fn run_watched<E: From<RunError>>(
     Ok(judged_so_far)
 }
 
-/// What is not wanted watches nothing.
+/// A sink that is `None` does nothing.
 impl<E, S: RunSink<E>> RunSink<E> for Option<S> {
     fn begin_dataset(&mut self, watched: &WatchedDataset<'_>) -> Result<(), E> {
         self.as_mut().map_or(Ok(()), |it| it.begin_dataset(watched))
@@ -191,7 +192,7 @@ mod tests {
     use simulator::catalogue::built_in_catalogue;
     use simulator::open::{OpenOptions, open_dataset};
 
-    /// Writes down what is reported to it.
+    /// A sink that writes down all its calls.
     struct Diary<'a>(&'a mut Vec<String>);
 
     impl RunSink<RunError> for Diary<'_> {

@@ -7,15 +7,15 @@ use scans::annotation::LabeledScan;
 use crate::run::config::RunConfig;
 use crate::run::detector_list::ChosenDetector;
 
-/// The cells of a scan on one grid after another. Most sweeps have the same grid at several points or in several detectors.
+/// Tallies of the cells of a scan, kept by grid: most sweeps have the same grid at several points or in several detectors.
 #[derive(Default)]
 pub struct CellsOfScan {
     counted: Vec<(GridParams, f32, CellTally)>,
 }
 
 impl CellsOfScan {
-    /// Those of `scan` on the grid that `chosen` starts from with the parameters of `config`; `None` if the cells of its
-    /// clusters are no parameter of it.
+    /// Tally of `scan` on the grid that `chosen` starts from with the parameters of `config`; `None` if `chosen` has no grid
+    /// parameters.
     pub fn tally(
         &mut self,
         scan: &LabeledScan,

@@ -1,4 +1,4 @@
-//! From the sums of a sweep to the numbers of each point, and how sure they and their differences are.
+//! Numbers of each point, made of the sums of a sweep, and intervals of the numbers and their differences.
 
 use detector::grid::cell_fitness::FitnessReading;
 use rayon::prelude::*;
@@ -22,14 +22,14 @@ use reports::vocabulary::task::Task;
 use crate::sweep::scan_at_point::TimedScan;
 use crate::sweep::sweep_tally::{AtPoint, CellSums, SweepTally};
 
-/// A sweep, and draws of its scans that all points share.
+/// A sweep, and resamples of its scans that all points share.
 pub struct DrawnSweep<'a> {
     tally: &'a SweepTally<'a>,
-    // Of each data set.
+    // Of each data set its resamples.
     draws: Vec<Draw>,
 }
 
-/// Data sets that are looked at together.
+/// Data sets that are evaluated together.
 struct Group {
     extent: Extent,
     origin: Origin,
@@ -38,20 +38,20 @@ struct Group {
 }
 
 impl SweepTally<'_> {
-    /// Draws the scans.
+    /// Draws the resamples of the scans.
     pub fn draw(&self) -> DrawnSweep<'_> {
         DrawnSweep { draws: self.counts.draw(), tally: self }
     }
 
-    /// The times on each of several unlike processors by themselves; none if there are no such.
+    /// Times by processor, if the scans were timed on several processors; else empty.
     pub fn times_of_processors(&self) -> Vec<(String, Vec<SweepTime>)> {
         let processors = self.processors();
         let unlike = processors.iter().filter(|_| processors.len() > 1);
         unlike.map(|it| ((*it).to_owned(), self.times_on(it))).collect()
     }
 
-    /// The numbers under protocols of others, of each data set and, if there are several, of all together. `on_point` is
-    /// called after each point.
+    /// Numbers under official protocols, of each data set and, if there are several, of all of one origin together.
+    /// `on_point` is called after each point.
     pub fn protocol_numbers(&self, on_point: impl Fn()) -> SweptNumbers {
         let groups = self.groups();
         let names = groups.iter().map(|it| it.extent.name());
@@ -71,7 +71,7 @@ impl SweepTally<'_> {
         SweptNumbers { parameters: self.entry.parameters(), n_swept: self.entry.swept.len(), numbers }
     }
 
-    /// Each data set, and then those of one origin, if there are several.
+    /// Each data set, and then the data sets of one origin together, if there are several.
     fn groups(&self) -> Vec<Group> {
         let entries = &self.manifest.datasets;
         let group = |extent, origin, dataset_idxs: Vec<usize>| {
@@ -139,8 +139,8 @@ impl SweepTally<'_> {
 }
 
 impl DrawnSweep<'_> {
-    /// The numbers of each data set and, if there are several, of all together. There are no times if they were taken on
-    /// unlike processors.
+    /// Numbers of each data set and, if there are several, of all of one origin together. There are no times if they were
+    /// taken on several processors.
     pub fn summary(&self) -> SweepScores {
         let SweepTally { manifest, entry, .. } = self.tally;
         let mut asked = Vec::new();
@@ -166,16 +166,16 @@ impl DrawnSweep<'_> {
         }
     }
 
-    /// The 95 % interval of the rate of the first of two scores of one detector, task and extent minus that of the second;
-    /// `None` if a data set has a single block.
+    /// The 95 % interval of a difference of rates: that of the first of two scores of one detector, task and extent minus
+    /// that of the second. `None` if a data set has a single block.
     pub fn difference(&self, [first, second]: [&SweepScore; 2]) -> Option<[f64; 2]> {
         let [of_first, of_second] = [first, second].map(|it| self.sample(&self.question(it)?));
         let difference = paired_difference(&of_second?, &of_first?, &first.rate_metric())?;
         difference.interval.map(|it| it.ends)
     }
 
-    /// The rate of the points that have these `scores` where each block of scans is judged at the point that all other
-    /// blocks choose; `None` with fewer than two blocks. No scan has a say in what it is judged at.
+    /// Held-out rate of the points of `scores`: each block of scans is judged at the point that is best on all other
+    /// blocks, so no scan influences the choice of its own point. `None` with fewer than two blocks.
     pub fn held_out(&self, scores: &[&SweepScore]) -> Option<f64> {
         let of_blocks = |it: &&SweepScore| {
             let question = self.question(it)?;
@@ -184,7 +184,7 @@ impl DrawnSweep<'_> {
         held_out(&scores.iter().map(of_blocks).collect::<Option<Vec<_>>>()?)
     }
 
-    /// What `score` answers.
+    /// The question that `score` answers.
     fn question<'b>(&'b self, score: &'b SweepScore) -> Option<Question<'b>> {
         let SweepSubject { detector, point_idx, extent, .. } = &score.subject;
         let detector_idx = self.tally.manifest.detectors.iter().position(|it| it.name == *detector)?;
@@ -200,7 +200,7 @@ impl DrawnSweep<'_> {
         self.tally.counts.sample(question, &self.draws)
     }
 
-    /// `None` if no scan was looked at.
+    /// `None` if no scan was evaluated.
     fn score(&self, group: &Group, task: Task, at: AtPoint) -> Option<SweepScore> {
         let question = self.question_about(&group.extent, task, at);
         let sample = self.sample(&question)?;
@@ -237,14 +237,14 @@ impl DrawnSweep<'_> {
             FitnessValue { name: reading.name(), value, within, range: reading.range() }
         };
         Some(CellScore {
-            // As it was written, and not as a 32-bit number comes out.
+            // The decimal number as it was written, without the error of its 32-bit representation.
             cell_size_m: format!("{}", total.cell_size_m).parse().unwrap_or_default(),
             n_dense_sparse_empty: total.n_dense_sparse_empty,
             readings: FitnessReading::ALL.into_iter().enumerate().map(reading).collect(),
         })
     }
 
-    /// Second by second.
+    /// Sums of the cells of a data set, second by second.
     fn cells_of(&self, dataset_idx: usize, at: AtPoint) -> impl Iterator<Item = (&DriveSecond, CellSums)> {
         let index = self.tally.index_of(at);
         let of_seconds = self.tally.cells[dataset_idx].iter();
@@ -256,8 +256,8 @@ fn ratio([numerator, denominator]: [f64; 2]) -> Option<f64> {
     (denominator != 0.0).then(|| numerator / denominator)
 }
 
-/// The ratio of sums over blocks of which each is taken from the point that is best on all others; of equal points from the
-/// first.
+/// The ratio of sums over blocks. Each block is taken from the point that is best on all other blocks; of equal points, from
+/// the first.
 fn held_out(points: &[Vec<[f64; 2]>]) -> Option<f64> {
     let n_blocks = points.first()?.len();
     if n_blocks < 2 {
@@ -286,7 +286,7 @@ mod tests {
 
     #[test]
     fn no_block_has_a_say_in_what_it_is_judged_at() {
-        // Two points that are alike but for one block each: whoever looks at all three blocks has 3 of 4 on each of two.
+        // Two points that differ only in the first two blocks: over all three blocks each has 6 of 12.
         let first = vec![[4.0, 4.0], [0.0, 4.0], [2.0, 4.0]];
         let second = vec![[0.0, 4.0], [4.0, 4.0], [2.0, 4.0]];
         // The others choose the second point for the first block and the first point for the second one.

@@ -1,4 +1,4 @@
-//! Detectors at points of a sweep, one after the other. Those that are programs are kept running from point to point.
+//! Detectors at points of a sweep, one after the other. Detectors that are programs are kept running from point to point.
 
 use std::collections::BTreeMap;
 use std::sync::{Mutex, PoisonError};
@@ -11,19 +11,19 @@ use crate::run::detector_list::ChosenDetector;
 use crate::run::running_detector::{BegunConversation, RunningDetector};
 use crate::sweep::sweep_plan::SweepPlan;
 
-/// Programs that nobody speaks to at the moment, by data set and detector.
+/// Idle programs, by data set and detector.
 #[derive(Default)]
 pub struct Programs {
     idle: Mutex<BTreeMap<(String, &'static str), Vec<BegunConversation>>>,
 }
 
 impl Programs {
-    /// Has every detector of `plan`, with the parameters of one of its points, do `work` on scans of `dataset`, and returns
-    /// what came of each. No two of them are there at the same time; programs are started where all are busy.
+    /// Calls `work` with every detector of `plan`, with the parameters of one of its points, for scans of `dataset`. Returns
+    /// the results. The detectors take turns; a program is started if none is idle.
     ///
     /// # Errors
     ///
-    /// [`DetectorFailure`] of a detector that gives no answer, which says at which point.
+    /// [`DetectorFailure`] of a detector that gives no answer; it names the point.
     pub fn at_point<T>(
         &self,
         plan: &SweepPlan,

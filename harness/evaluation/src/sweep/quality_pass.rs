@@ -1,4 +1,4 @@
-//! All scans at all points, several scans at once: what is counted does not depend on what runs beside it.
+//! Counting pass: all scans at all points, several scans at once, since counts do not depend on the load of the machine.
 
 use std::collections::BTreeSet;
 use std::ops::Range;
@@ -27,35 +27,35 @@ use crate::sweep::sweep_plan::SweepPlan;
 pub struct SweptDataset<'a> {
     /// The data set.
     pub dataset: &'a dyn Dataset,
-    /// Which of its scans, as indices into [`Dataset::scan_ids`].
+    /// The selected scans, as indices into [`Dataset::scan_ids`].
     pub scan_indices: &'a [usize],
-    /// Which of these are run, as indices among them: all, or those of a shard.
+    /// The part of `scan_indices` that is run: all, or that of a shard.
     pub part: Range<usize>,
 }
 
-/// What is run.
+/// A pass over the scans of a sweep.
 #[derive(Clone, Copy)]
 pub struct SweepPass<'a> {
     /// The points and detectors.
     pub plan: &'a SweepPlan,
     /// The scans.
     pub datasets: &'a [SweptDataset<'a>],
-    /// What else it is evaluated by, if anything.
+    /// Official protocols under which it is also evaluated.
     pub protocols: Option<&'a ChosenProtocols>,
     /// Ends the sweep at the next point once it is set.
     pub interrupted: &'a AtomicBool,
 }
 
-/// Keeps a result, which is done then.
+/// Keeps a result, so that it counts as done.
 pub type Keep<'a, T> = &'a (dyn Fn(T) -> Result<(), JournalError> + Sync);
 
-/// Why a sweep ended early. What was kept stays.
+/// Why a sweep ended early. Kept results stay.
 #[derive(Debug, thiserror::Error)]
 pub enum SweepError {
     /// A scan could not be read.
     #[error(transparent)]
     Dataset(#[from] DatasetError),
-    /// Scans could not be looked at.
+    /// A pass over scans ended early.
     #[error(transparent)]
     Scans(#[from] ScanPassError),
     /// A scan could not be evaluated under a protocol.
@@ -67,35 +67,36 @@ pub enum SweepError {
     /// A result could not be kept.
     #[error(transparent)]
     Journal(#[from] JournalError),
-    /// No more threads.
+    /// Threads cannot be started.
     #[error("cannot start {n_jobs} threads")]
     Threads {
-        /// How many were asked for.
+        /// Number of threads.
         n_jobs: usize,
-        /// What the operating system said.
+        /// Cause of the failure.
         source: rayon::ThreadPoolBuildError,
     },
-    /// The user asked for it.
+    /// The user interrupted the counting.
     #[error("interrupted after {} of {n_results} results", n_results - n_left)]
     Interrupted {
         /// Pairs of a scan and a point that were not done.
         n_left: usize,
-        /// All of them.
+        /// All pairs.
         n_results: usize,
     },
-    /// The user asked for it when all was counted.
+    /// The user interrupted the timing, after the counting.
     #[error("interrupted while detections were timed")]
     InterruptedWhileTimed,
 }
 
 impl SweepPass<'_> {
-    /// Does all but the `done`, and has every result kept.
+    /// Counts all pairs of a scan and a point that are not `done`, and passes every result to `keep`.
     ///
-    /// A scan is read once for all points that are missing, by one of `n_jobs` threads.
+    /// A scan is read once for all its missing points, by one of `n_jobs` threads.
     ///
     /// # Errors
     ///
-    /// [`SweepError`] if a scan cannot be read, a result cannot be kept, or the sweep is interrupted.
+    /// [`SweepError`] if a scan cannot be read or evaluated, a detector fails, a result cannot be kept, or the sweep is
+    /// interrupted.
     pub fn count(
         &self,
         done: &BTreeSet<[usize; 3]>,
@@ -125,11 +126,11 @@ impl SweepPass<'_> {
         };
         let looked: Vec<Result<(), SweepError>> =
             pool.install(|| missing.par_iter().with_max_len(1).map(look).collect());
-        // Collected before it is looked through for errors, so that the first in order is reported.
+        // Collected before errors are searched, so that the first in order is reported.
         looked.into_iter().collect()
     }
 
-    /// Pairs of a scan and a point.
+    /// Number of pairs of a scan and a point.
     pub fn n_results(&self) -> usize {
         self.datasets.iter().map(|it| it.part.len()).sum::<usize>() * self.plan.points.len()
     }
@@ -195,7 +196,7 @@ impl SweepPass<'_> {
     }
 }
 
-/// A scan, and the points at which it has not been looked at.
+/// A scan, and its missing points.
 struct MissingScan {
     dataset_idx: usize,
     scan_idx: usize,

@@ -1,4 +1,4 @@
-//! What a sweep keeps of its scans: results of the detections and of the clock.
+//! Results that a sweep keeps of its scans: counts and times.
 
 use detector::grid::cell_fitness::CellTally;
 use reports::numbers::blocks::DriveSecond;
@@ -11,9 +11,9 @@ use crate::metrics::counts::Counts;
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum JournalEntry {
-    /// Of the detections.
+    /// Counts.
     Quality(ScanAtPoint),
-    /// Of the clock.
+    /// Times.
     Times(TimedScan),
 }
 
@@ -33,27 +33,27 @@ pub struct ScanAtPoint {
     pub second: DriveSecond,
     /// Index of the point in the plan.
     pub point_idx: usize,
-    /// What each detector made of it, in the order of the plan.
+    /// Results of each detector, in the order of the plan.
     pub detectors: Vec<DetectorAtPoint>,
-    /// The rows of protocols of others.
+    /// Rows under official protocols.
     #[serde(default, skip_serializing_if = "OfficialRows::is_empty")]
     pub official: OfficialRows,
 }
 
 impl ScanAtPoint {
-    /// The order of results: data set, scan, point.
+    /// Sort key of results: data set, scan, point.
     pub fn key(&self) -> [usize; 3] {
         [self.dataset_idx, self.scan_idx, self.point_idx]
     }
 }
 
-/// What one detector made of it.
+/// Results of one detector on a scan at a point.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct DetectorAtPoint {
-    /// For each of [`Task::ALL`](reports::vocabulary::task::Task::ALL).
+    /// Counts for each of [`Task::ALL`](reports::vocabulary::task::Task::ALL).
     pub counts: Vec<Counts>,
-    /// The cells of its grid, if it starts from one.
+    /// Tally of the cells of its grid, if it has one.
     pub cells: Option<CellTally>,
 }
 
@@ -65,14 +65,14 @@ pub struct TimedScan {
     pub dataset_idx: usize,
     /// Index of the scan among those taken from the data set.
     pub scan_idx: usize,
-    /// The processor's own name.
+    /// Name of the processor, as it reports it.
     pub processor: String,
-    /// For each point and then for each detector, in nanoseconds.
+    /// Times in nanoseconds, for each point and then for each detector.
     pub times_ns: Vec<Vec<Vec<u64>>>,
 }
 
 impl TimedScan {
-    /// The order of results: data set, scan.
+    /// Sort key of results: data set, scan.
     pub fn key(&self) -> (usize, usize) {
         (self.dataset_idx, self.scan_idx)
     }

@@ -11,21 +11,21 @@ use crate::run::config::{ConfigError, RunConfig};
 use crate::run::detector_list::ChosenDetector;
 use crate::sweep::swept_values::{SweepOption, TiedValue};
 
-/// Most points of a sweep; more are a slip of the keyboard.
+/// Greatest number of points of a sweep; more are taken for a typing error.
 const MOST_POINTS: usize = 100_000;
 
-/// What is run at which points.
+/// Detectors and points of a sweep.
 #[derive(Debug, Clone)]
 pub struct SweepPlan {
     /// The detectors, in the order of the tables.
     pub detectors: Vec<ChosenDetector>,
     /// The swept parameters by their full names, each with its values; the first is the axis of plots.
     pub swept: Vec<SweptParameter>,
-    /// Full names of the parameters that go with a swept one.
+    /// Full names of the parameters that are tied to a swept one.
     pub tied: Vec<String>,
     /// Every combination of values; those of the last swept parameter change fastest.
     pub points: Vec<SweepPoint>,
-    /// The parameters without what is swept.
+    /// The parameters without the swept and tied values.
     pub base: RunConfig,
 }
 
@@ -38,10 +38,10 @@ pub struct SweepPoint {
     pub config: RunConfig,
 }
 
-/// Why there is nothing to sweep.
+/// Why there is no plan.
 #[derive(Debug, thiserror::Error)]
 pub enum SweepPlanError {
-    /// A parameter does not exist, or has a value that cannot be worked with.
+    /// A parameter does not exist, or has a value that cannot be used.
     #[error(transparent)]
     Config(#[from] ConfigError),
     /// No parameter has several values.
@@ -54,53 +54,52 @@ pub enum SweepPlanError {
     TiedToNothing {
         /// The tied parameter.
         name: String,
-        /// What it is tied to.
+        /// The parameter it is tied to.
         divisor: String,
         /// The swept parameters.
         swept: Vec<String>,
     },
-    /// A parameter is tied to one that is no number above 0.
+    /// A parameter is tied to one with a value that is no number above 0.
     #[error("{name} is divided by {divisor}, which has the value {value}; it must be a number above 0")]
     TiedToWord {
         /// The tied parameter.
         name: String,
-        /// What it is tied to.
+        /// The parameter it is tied to.
         divisor: String,
-        /// A value of that.
+        /// This value.
         value: String,
     },
     /// Too many combinations.
     #[error("{n_points} combinations of values are too many; the most is {MOST_POINTS}")]
     TooManyPoints {
-        /// How many.
+        /// Number of combinations.
         n_points: usize,
     },
-    /// The same parameters twice.
+    /// Two equal values of a parameter.
     #[error("the values {first} and {second} of {name} are equal")]
     SamePoint {
         /// The parameter.
         name: String,
-        /// One way to write its value.
+        /// The first way its value is written.
         first: String,
-        /// Another.
+        /// The second way.
         second: String,
     },
 }
 
 impl SweepPlan {
-    /// A failure that says at which values it happened.
+    /// The failure, with the values of the point in the name of the detector.
     pub fn at_point(&self, point_idx: usize, failure: DetectorFailure) -> DetectorFailure {
         let values = self.parameters().into_iter().zip(&self.points[point_idx].values);
         let values: Vec<String> = values.map(|(name, value)| format!("{name} = {value}")).collect();
         DetectorFailure { detector: format!("{} with {}", failure.detector, values.join(", ")), ..failure }
     }
 
-    /// The points that `options` and then `lists` span over the parameters of `config`.
+    /// Plans the points that `options` and then `lists` span over the parameters of `config`.
     ///
     /// # Errors
     ///
-    /// [`SweepPlanError`] if a name is unknown, nothing is swept, or any point cannot be worked with: before anything is
-    /// run.
+    /// [`SweepPlanError`] if a name is unknown, nothing is swept, or any point cannot be used: before any detector runs.
     pub fn new(
         config: &RunConfig,
         detectors: Vec<ChosenDetector>,
@@ -126,10 +125,11 @@ impl SweepPlan {
             it.name = base.full_name(&override_of(&it.name, &it.values[0]), &own)?;
         }
         let n_points = swept.iter().map(|it| it.values.len()).product();
-        match n_points {
-            _ if swept.is_empty() => return Err(SweepPlanError::NothingSwept),
-            MOST_POINTS.. => return Err(SweepPlanError::TooManyPoints { n_points }),
-            _ => {}
+        if swept.is_empty() {
+            return Err(SweepPlanError::NothingSwept);
+        }
+        if n_points > MOST_POINTS {
+            return Err(SweepPlanError::TooManyPoints { n_points });
         }
         let ties = options.iter().filter_map(|it| match it {
             SweepOption::Tied(tied) => Some(Tie::resolve(tied, &swept, &base, &own)),
@@ -142,7 +142,7 @@ impl SweepPlan {
             for tie in &ties {
                 values.push(tie.value(&swept, &values)?);
             }
-            // With those that are fixed, so that one that is swept as well is refused.
+            // Includes the fixed options, so that a parameter that is both fixed and swept is refused.
             let mut overrides = fixed.clone();
             overrides.extend(names.zip(&values).map(|(name, value)| override_of(name, value)));
             Ok(SweepPoint { config: config.overridden(&overrides, &own)?, values })
@@ -173,7 +173,7 @@ fn values_of(swept: &[SweptParameter], mut point_idx: usize) -> Vec<String> {
     values
 }
 
-/// `2` and `2.0` are two texts and one value.
+/// Refuses equal values with different texts, such as `2` and `2.0`.
 fn refuse_same_values(swept: &[SweptParameter]) -> Result<(), SweepPlanError> {
     for SweptParameter { name, values } in swept {
         let mut seen = BTreeSet::new();
@@ -217,7 +217,7 @@ impl Tie {
         Ok(Self { name, dividend: tied.dividend, divisor_idx, is_whole })
     }
 
-    /// The value that goes with `values` of the swept parameters; a count is at least 1.
+    /// The tied value for the `values` of the swept parameters; an integer is at least 1.
     fn value(&self, swept: &[SweptParameter], values: &[String]) -> Result<String, SweepPlanError> {
         let divisor = &values[self.divisor_idx];
         let Some(quotient) = divisor.parse::<f64>().ok().filter(|it| *it > 0.0).map(|it| self.dividend / it)

@@ -1,7 +1,7 @@
-//! What a sweep has counted, scan by scan, as sums from which its numbers are made.
+//! Sums of the counts of a sweep, added scan by scan, from which its numbers are made.
 //!
-//! A detector at a point counts as a detector of its own. Sums of cells are kept by seconds of drives, and no scan: a sweep
-//! in one piece and its shards come to the same digits.
+//! A detector at a point counts as a detector of its own. Sums of cells are kept by seconds of drives instead of scans: a
+//! sweep in one piece and its merged shards give the same digits.
 
 use std::collections::BTreeMap;
 
@@ -23,14 +23,14 @@ use crate::sweep::scan_at_point::{ScanAtPoint, TimedScan};
 pub struct SweepTally<'a> {
     pub(super) manifest: &'a Manifest,
     pub(super) entry: &'a SweepEntry,
-    // Of every detector at every point.
+    // Counts of every detector at every point.
     pub(super) counts: Tally,
-    // Of each data set, whether what is found beside the annotations of each of `Task::ALL` is false.
+    // Of each data set, whether unmatched detections of each of `Task::ALL` are known to be false.
     false_detections: Vec<[FalseDetections; Task::ALL.len()]>,
-    // Of each data set and each second, those of every detector at every point.
+    // Of each data set and each second, the sums of every detector at every point.
     pub(super) cells: Vec<BTreeMap<DriveSecond, Vec<Option<CellSums>>>>,
     pub(super) times: Vec<TimedScan>,
-    // Of each point, the rows of protocols of others.
+    // Of each point, the tally under official protocols.
     pub(super) protocols: Vec<ProtocolTally>,
 }
 
@@ -41,7 +41,7 @@ pub(super) struct AtPoint {
     pub(super) point_idx: usize,
 }
 
-/// What the cells of some scans on one grid come to.
+/// Sums of the cells of some scans on one grid.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct CellSums {
     pub(super) cell_size_m: f32,
@@ -51,7 +51,7 @@ pub(super) struct CellSums {
 }
 
 impl<'a> SweepTally<'a> {
-    /// Nothing yet, of the sweep of `manifest`; `None` if it is of no sweep.
+    /// An empty tally of the sweep of `manifest`; `None` if the manifest has no sweep.
     pub fn of(manifest: &'a Manifest) -> Option<Self> {
         let entry = manifest.sweep.as_ref()?;
         let n_points = entry.points.len();
@@ -69,12 +69,12 @@ impl<'a> SweepTally<'a> {
         })
     }
 
-    /// The place of a detector at a point among all.
+    /// Index of a detector at a point among all detectors at all points.
     pub(super) fn index_of(&self, at: AtPoint) -> usize {
         at.detector_idx * self.entry.points.len() + at.point_idx
     }
 
-    /// Adds a scan at a point. Scans come in the order of the sweep, and each with its points in theirs.
+    /// Adds a scan at a point. Scans come in the order of the sweep, and the points of each scan in order, too.
     pub fn add(&mut self, scan: &ScanAtPoint) {
         let ScanAtPoint { dataset_idx, point_idx, second, .. } = scan;
         let dataset = self.manifest.datasets[*dataset_idx].id.clone();
@@ -94,26 +94,26 @@ impl<'a> SweepTally<'a> {
         }
     }
 
-    /// Adds the rows of a scan under protocols of others at a point of the sweep. Scans may come in any order.
+    /// Adds the rows of a scan under official protocols at a point of the sweep. Scans may come in any order.
     pub fn add_official(&mut self, point_idx: usize, rows: &OfficialRows) {
         self.protocols[point_idx].add(rows);
     }
 
-    /// Makes sure that the rows under protocols of others fit together.
+    /// Checks that the rows under official protocols are consistent.
     ///
     /// # Errors
     ///
-    /// A sentence that says in which scan they do not, and how.
+    /// A sentence that names the scan and the inconsistency.
     pub fn check_official(&self) -> Result<(), String> {
         self.protocols.iter().try_for_each(ProtocolTally::check)
     }
 
-    /// Adds a scan that was timed. Scans come in the order of the sweep.
+    /// Adds a timed scan. Scans come in the order of the sweep.
     pub fn add_times(&mut self, scan: TimedScan) {
         self.times.push(scan);
     }
 
-    /// The different processors that scans were timed on, in the order of the sweep.
+    /// Names of the different processors that scans were timed on, in the order of the sweep.
     pub fn processors(&self) -> Vec<&str> {
         let mut processors: Vec<&str> = Vec::new();
         for processor in self.times.iter().map(|it| it.processor.as_str()) {
@@ -125,7 +125,7 @@ impl<'a> SweepTally<'a> {
     }
 }
 
-/// Whether what is found beside the annotations of each of [`Task::ALL`] is false.
+/// Whether unmatched detections of each of [`Task::ALL`] are known to be false.
 fn false_detections(dataset: &DatasetEntry) -> [FalseDetections; Task::ALL.len()] {
     let annotated = match &dataset.annotated {
         AnnotatedClasses::EveryObject => dataset::AnnotatedClasses::EveryObject,
@@ -143,7 +143,7 @@ impl CellSums {
         }
     }
 
-    /// Those of both, on grids of the same size.
+    /// Sums of both, on grids of the same size.
     pub(super) fn with(mut self, other: Self) -> Self {
         for (sum, number) in self.n_dense_sparse_empty.iter_mut().zip(other.n_dense_sparse_empty) {
             *sum += number;

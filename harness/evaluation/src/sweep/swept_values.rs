@@ -6,17 +6,17 @@ use reports::run_folder::sweep_entry::SweptParameter;
 
 use crate::run::config::override_option::OverrideOption;
 
-/// Most values of one parameter; more are a slip of the keyboard.
+/// Most values of one parameter; more are taken for a typing error.
 const MOST_VALUES: i128 = 10_000;
 
-/// What `-P NAME=…` of a sweep asks for.
+/// An option `-P NAME=…` of a sweep.
 #[derive(Debug, Clone, PartialEq)]
 pub enum SweepOption {
-    /// `NAME=VALUE`: the same value at all points.
+    /// `NAME=VALUE`: one value at all points.
     Fixed(OverrideOption),
-    /// `NAME=START:STOP:STEP`, of a name that need not be the full one.
+    /// `NAME=START:STOP:STEP`; the name need not be the full one.
     Swept(SweptParameter),
-    /// `NAME=NUMBER/SWEPT`: goes with another parameter.
+    /// `NAME=NUMBER/SWEPT`: tied to another parameter.
     Tied(TiedValue),
 }
 
@@ -24,12 +24,13 @@ pub enum SweepOption {
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct ListOption(pub SweptParameter);
 
-/// A parameter whose value is a number divided by that of a swept one: so many cells of a swept size for a length.
+/// A parameter whose value is a number divided by the value of a swept one, such as the number of cells of a swept size that
+/// make a length.
 #[derive(Debug, Clone, PartialEq)]
 pub struct TiedValue {
     /// The name of the parameter.
     pub name: String,
-    /// What is divided.
+    /// The dividend.
     pub dividend: f64,
     /// The name of the swept parameter.
     pub divisor: String,
@@ -71,7 +72,7 @@ impl FromStr for ListOption {
         let (name, values) = written.split_once('=').ok_or("expected NAME=VALUE,VALUE,…")?;
         let values: Vec<String> = values.split(',').map(|it| it.trim().to_owned()).collect();
         for (idx, value) in values.iter().enumerate() {
-            // Whatever a single value could not be, none of a list can.
+            // Each value of a list must be valid as a single value.
             format!("{name}={value}").parse::<OverrideOption>()?;
             if values[..idx].contains(value) {
                 return Err(format!("{value} is given twice"));
@@ -87,8 +88,8 @@ struct Decimal {
     n_decimals: u32,
 }
 
-/// The values of `START:STOP:STEP`, written with as many decimals as the longest of the three. STOP is among them where
-/// a whole number of steps leads there: counted in decimal digits, so that no rounding gets between.
+/// The values of `START:STOP:STEP`, written with as many decimals as the longest of the three. STOP is included if a whole
+/// number of steps leads there. Steps are counted in decimal digits, without rounding errors.
 fn range(written: &str) -> Result<Vec<String>, String> {
     let parts: Vec<&str> = written.split(':').collect();
     let [start, stop, step] = parts[..] else {
@@ -112,7 +113,7 @@ fn range(written: &str) -> Result<Vec<String>, String> {
     Ok((0..=n_steps).map(|it| text_of(start + it * step, n_decimals)).collect())
 }
 
-/// Reads what has digits before the point, and up to nine after it.
+/// Reads a number with up to 15 digits before the point and up to nine after it; `None` if it is no such number.
 fn decimal(text: &str) -> Option<Decimal> {
     let (sign, digits) = match text.strip_prefix('-') {
         Some(digits) => (-1, digits),

@@ -1,4 +1,4 @@
-//! Some scans at all points once more, one after the other with nothing running beside, for the clock alone.
+//! Timing pass: some scans once more at all points, one after the other, with nothing else running.
 
 use std::collections::BTreeSet;
 use std::sync::atomic::Ordering;
@@ -10,18 +10,18 @@ use crate::sweep::programs::Programs;
 use crate::sweep::quality_pass::{Keep, SweepError, SweepPass, SweptDataset};
 use crate::sweep::scan_at_point::TimedScan;
 
-/// Detections of a scan at a point that are timed, after one that is not.
+/// Number of timed detections of a scan at a point, after one that is not timed.
 pub const DETECTIONS_PER_SCAN: usize = 3;
 
 impl SweepPass<'_> {
-    /// Times `n_scans` scans of each data set, spread over it, that are in its part, but for the `done`, on `processor`, and
-    /// has each kept. `on_done` is called whenever a detector was timed at a point.
+    /// Times, on `processor`, those of `n_scans` scans spread over each data set that are in its part and not `done`. Passes
+    /// each to `keep`. `on_done` is called whenever a detector was timed at a point.
     ///
-    /// Of every other scan the points come in the opposite order, so that a disturbance of the machine meets all of them.
+    /// For every other scan the points come in the opposite order, so that a disturbance of the machine affects all points.
     ///
     /// # Errors
     ///
-    /// [`SweepError`] if a scan cannot be read, a result cannot be kept, or the sweep is interrupted.
+    /// [`SweepError`] if a scan cannot be read, a detector fails, a result cannot be kept, or the sweep is interrupted.
     pub fn time(
         &self,
         done: &BTreeSet<(usize, usize)>,
@@ -40,11 +40,12 @@ impl SweepPass<'_> {
         Ok(())
     }
 
-    /// The scans that are timed, data set and scan, each with its index among those of the whole sweep.
+    /// The scans of this part that are timed: index among the timed scans of the whole sweep, and the indices of data set
+    /// and scan.
     pub fn timed_scans(&self, n_scans: usize) -> Vec<(usize, (usize, usize))> {
         let of_dataset = |(dataset_idx, n_all): (usize, usize)| {
             let n_timed = n_scans.min(n_all);
-            // The middles of as many stretches.
+            // The middles of `n_timed` equal stretches.
             (0..n_timed).map(move |it| (dataset_idx, (2 * it + 1) * n_all / (2 * n_timed)))
         };
         let all = self.datasets.iter().map(|it| it.scan_indices.len()).enumerate().flat_map(of_dataset);
@@ -54,7 +55,7 @@ impl SweepPass<'_> {
         all.enumerate().filter(is_ours).collect()
     }
 
-    /// The times of a scan, which is timed as the one with this index.
+    /// Times of a scan; `index` is its index among the timed scans.
     fn times_ns(
         &self,
         dataset_idx: usize,

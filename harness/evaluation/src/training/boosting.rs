@@ -16,16 +16,16 @@ pub struct BoostingParams {
     pub n_trees: usize,
     /// Levels of their decisions, at most [`DEPTH`].
     pub depth: u32,
-    /// By how much each tree makes up for what those before it lack.
+    /// Share of the remaining error that each tree corrects.
     pub learning_rate: f32,
     /// Least weight of the examples at a leaf: their number for [`Target::Number`], and their variance together for
     /// [`Target::Yes`].
     pub least_leaf_weight: f32,
-    /// The share of the examples, and that of the values, that each tree learns from, drawn anew for each.
+    /// Share of the examples, and share of the values, that each tree learns from, drawn anew for each tree.
     pub drawn_share: f32,
 }
 
-/// What a forest predicts.
+/// Target that a forest predicts.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Target {
     /// A number, with the least squared error.
@@ -37,8 +37,8 @@ pub enum Target {
 /// Seed of the draws of examples and values.
 const SEED: u64 = 0;
 
-/// A forest that predicts `targets` from `examples`, of which there is one for each target, with its weight. The same bytes
-/// whatever the number of threads.
+/// Trains a forest that predicts `targets` from `examples`, one target and one weight for each. The forest is the same to
+/// the byte whatever the number of threads.
 ///
 /// # Errors
 ///
@@ -46,7 +46,7 @@ const SEED: u64 = 0;
 ///
 /// # Panics
 ///
-/// If there are not as many targets and weights as examples, or trees are to be too deep.
+/// If the numbers of targets, weights and examples differ, or if the trees are too deep.
 pub fn boost<const D: usize>(
     examples: &[&[f32; D]],
     (targets, weights): (&[f64], &[f64]),
@@ -82,7 +82,7 @@ pub fn boost<const D: usize>(
     Ok(Forest::new(trees, booster.base_score as f32).expect("it was trained on these values"))
 }
 
-/// A tree all of whose leaves lie equally deep.
+/// The trained tree, extended so that all leaves lie equally deep.
 fn even_tree(trained: &Tree) -> DecisionTree {
     let mut tree =
         DecisionTree { value_of_split: [0; N_LEAVES], thresholds: [0.0; N_LEAVES], leaves: [0.0; N_LEAVES] };
@@ -90,7 +90,7 @@ fn even_tree(trained: &Tree) -> DecisionTree {
     tree
 }
 
-/// Fills what follows an index of `tree` with what follows a node of `trained`. Below a leaf both sides are that leaf.
+/// Copies the subtree of `trained` below a node to an index of `tree`. Below a leaf both sides repeat that leaf.
 fn fill(tree: &mut DecisionTree, trained: &Tree, index: usize, node_idx: usize) {
     let node = &trained.nodes[node_idx];
     if index >= N_SPLITS {
@@ -109,8 +109,8 @@ fn fill(tree: &mut DecisionTree, trained: &Tree, index: usize, node_idx: usize) 
     }
 }
 
-/// The least number of single precision that is not less: a value of single precision is less than it if it is less than
-/// `threshold`.
+/// The least number of single precision that is not less than `threshold`: the same values of single precision are less than
+/// either.
 fn not_less(threshold: f64) -> f32 {
     let nearest = threshold as f32;
     if f64::from(nearest) < threshold { nearest.next_up() } else { nearest }
@@ -204,7 +204,7 @@ mod tests {
         let examples = examples();
         let seen: Vec<&[f32; 2]> = examples.iter().collect();
         let targets: Vec<f64> = examples.iter().map(|[x, y]| f64::from((3.0 * x * y).sin())).collect();
-        // The values by which trees split, without the splits that are none.
+        // Values by which trees split, without splits that only repeat a leaf.
         let values_of = |drawn_share: f32| -> Vec<BTreeSet<u8>> {
             let forest =
                 boost(&seen, (&targets, &ALIKE), Target::Number, &BoostingParams { drawn_share, ..PARAMS })

@@ -1,4 +1,4 @@
-//! The trees that make the boxes of vehicles whole, trained.
+//! Training of the trees that complete the boxes of vehicles.
 
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -27,42 +27,42 @@ use reports::numbers::calibration::{CalibrationBin, calibration};
 /// Chosen on held-out drives of the training streets.
 const GROWTH: BoostingParams =
     BoostingParams { n_trees: 60, depth: 6, learning_rate: 0.15, least_leaf_weight: 20.0, drawn_share: 0.5 };
-/// The same for what is decided.
+/// Parameters of the forests that decide yes or no; chosen likewise.
 const DECISIONS: BoostingParams = BoostingParams { least_leaf_weight: 5.0, ..GROWTH };
 
 /// A cluster is an example only if its box is turned by at most this much against the annotated box.
 const MOST_OFF_DEG: f32 = 12.0;
 
-/// The detectors whose clusters are learned from: a cluster over cells and one over points end differently.
+/// Detectors whose clusters are examples: clusters of cells and clusters of points end differently.
 pub const LEARNED_FROM: [&str; 2] = ["hierarchical", "kd-tree"];
 
-/// Forests that [`train_boxes`] trains: of all vehicles, of each half of them, and the one that learns from boxes of the
-/// other half.
+/// Number of forests that [`train_boxes`] trains: seven of all vehicles, seven of each half of the drives, and the one that
+/// predicts whether a box is right.
 pub const N_BOX_FORESTS: usize = 3 * 7 + 1;
-/// A box that overlaps so much with the annotated one in space is right, as KITTI has it for cars.
+/// Least intersection over union in space of a right box with the annotated one, as in KITTI for cars.
 pub const RIGHT_IOU: f64 = 0.7;
 
 /// A cluster that matches an annotated vehicle.
 #[derive(Debug, Clone, PartialEq)]
 pub struct VehicleExample {
-    /// The drive it was seen on.
+    /// Its drive.
     pub sequence: String,
-    /// What is seen.
+    /// The vehicle as the sensor sees it.
     pub seen: SeenVehicle,
     /// The annotated box.
     pub whole: OrientedBox,
 }
 
-/// What every thread looks at its scans with.
+/// State of a thread that passes over scans.
 struct Looker {
     foreground: Pipeline,
     detectors: Vec<Box<dyn Detector>>,
 }
 
-/// Makes detectors whose clusters are learned from, which report the boxes of what is seen.
+/// Makes detectors whose clusters are examples; they report boxes of the seen points.
 pub type NewDetectors<'a> = &'a (dyn Fn() -> Vec<Box<dyn Detector>> + Sync);
 
-/// The trees learn from boxes of what is seen.
+/// Boxes of the seen points, from which the trees learn.
 pub const SEEN: BoxParams = BoxParams { outline: true, whole: false };
 
 /// The clusters in the scans of `pass` that match an annotated vehicle with a box, scan by scan. `new_detectors` makes the
@@ -121,35 +121,35 @@ fn example(
 /// Why no trees can be trained.
 #[derive(Debug, thiserror::Error)]
 pub enum BoxTrainingError {
-    /// There is nothing to predict.
+    /// All vehicles have the same value of a target.
     #[error("no two of the {n} vehicles differ in {what}")]
     Alike {
-        /// How many there are to learn it from.
+        /// Number of vehicles with the target.
         n: usize,
-        /// In what.
+        /// The target.
         what: &'static str,
     },
-    /// Whether boxes are right is learned from boxes that models of other drives give.
+    /// All vehicles are of one drive; whether boxes are right is learned from boxes that models of other drives give.
     #[error("all {n} vehicles are of one drive; whether boxes are right is learned from two or more")]
     OneDrive {
-        /// How many there are.
+        /// Number of vehicles.
         n: usize,
     },
-    /// The trainer refuses them.
+    /// The trainer failed.
     #[error(transparent)]
     Boosting(#[from] ForustError),
 }
 
-/// Trains all forests, and says how many of `examples` they learned from: those whose box of what is seen is turned by at
-/// most 12 degrees against the annotated one. The forest that predicts whether a box is right learns from all, each with the
-/// box that forests of other drives give it.
+/// Trains all forests. Returns them, and the number of `examples` that they learned from: those whose box of the seen points
+/// is turned by at most 12 degrees against the annotated box. The forest that predicts whether a box is right learns from
+/// all examples, each with the box that forests of other drives give it.
 ///
 /// `on_forest` is called after each of [`N_BOX_FORESTS`].
 ///
 /// # Errors
 ///
-/// [`BoxTrainingError`] if none is left, if all are of one drive, or if all are turned alike, face the same way or are
-/// right.
+/// [`BoxTrainingError`] if no example is left, if all are of one drive, or if all have the same answer to one of the
+/// questions: whether the box is turned, which end is the front, whether the box is right.
 pub fn train_boxes(
     examples: &[VehicleExample],
     on_forest: &dyn Fn(),
@@ -181,7 +181,7 @@ pub fn train_boxes(
     Ok((BoxModel { right, ..model }, n_taught))
 }
 
-/// The forest that predicts whether a target is 1; the others are 0.
+/// Trains the forest that predicts whether a target is 1 and not 0. `what` names the targets in errors.
 fn decision(
     values: &[[f32; N_BOX_VALUES]],
     targets: &[f64],
@@ -194,7 +194,8 @@ fn decision(
     Ok(boost(&values.iter().collect::<Vec<_>>(), (targets, &alike), Target::Yes, &DECISIONS)?)
 }
 
-/// All forests but the one that predicts whether a box is right; that one calls none right.
+/// Trains all forests but the one that predicts whether a box is right; its placeholder calls no box right. Also returns the
+/// number of examples that they learned from.
 fn train_growth(
     examples: &[&VehicleExample],
     on_forest: &dyn Fn(),
@@ -231,21 +232,21 @@ fn train_growth(
     Ok((model, differences.len()))
 }
 
-/// How boxes do: shares of 0 to 1.
+/// How good boxes are: shares of all boxes, 0 to 1.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct BoxShares {
-    /// Of those whose long sides are turned by at most 5 and at most 10 degrees.
+    /// Share with long sides turned by at most 5 and at most 10 degrees.
     pub yaw: [f64; 2],
-    /// Of those with an intersection over union of at least 0.5 and at least 0.7, seen from above.
+    /// Share with an intersection over union of at least 0.5 and at least 0.7, seen from above.
     pub bev: [f64; 2],
-    /// The same in space.
+    /// Share with an intersection over union of at least 0.5 and at least 0.7, in space.
     pub space: [f64; 2],
-    /// Of those whose front is on the right side.
+    /// Share with the front on the right side.
     pub heading: f64,
 }
 
 impl BoxShares {
-    /// Those of `boxes`, each with the annotated one.
+    /// Shares of `boxes`, each with the annotated one.
     pub fn of(boxes: &[(OrientedBox, OrientedBox)]) -> Self {
         let errors: Vec<BoxErrors> =
             boxes.iter().map(|(fitted, whole)| BoxErrors::of(fitted, whole)).collect();
@@ -261,30 +262,30 @@ impl BoxShares {
     }
 }
 
-/// What is said of which end is the front.
+/// How good the model is at telling which end is the front.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct SureFronts {
-    /// The share of vehicles of which it is sure, 0 to 1.
+    /// Share of the vehicles for which it is sure, 0 to 1.
     pub share: f64,
-    /// Of these the share on the right side; `None` if there are none.
+    /// Share of these with the front on the right side; `None` if there are none.
     pub right: Option<f64>,
 }
 
-/// How the boxes of a model do.
+/// How good the boxes of a model are.
 #[derive(Debug, Clone, PartialEq)]
 pub struct BoxJudgement {
-    /// The boxes of what is seen.
+    /// Boxes of the seen points.
     pub seen: BoxShares,
-    /// Those of whole vehicles.
+    /// Boxes of whole vehicles.
     pub whole: BoxShares,
     /// Their fronts.
     pub sure_fronts: SureFronts,
-    /// How likely a right box is expected to be, and how many are.
+    /// Expected probability that a box is right, and the share that is.
     pub right_boxes: Vec<CalibrationBin>,
 }
 
 impl BoxJudgement {
-    /// On `judged`, which `model` has not seen.
+    /// Judges `model` on vehicles that it has not learned from.
     pub fn of(model: &BoxModel, judged: &[VehicleExample]) -> Self {
         let seen: Vec<_> = judged.iter().map(|it| (it.seen.seen, it.whole)).collect();
         let mut vehicles: Vec<SeenVehicle> = judged.iter().map(|it| it.seen).collect();

@@ -1,25 +1,26 @@
-//! What an object to train with shows.
+//! Kinds of training candidates.
 
 use detector::OrientedBox;
 use reports::vocabulary::class::{AnnotationClass, Occlusion};
 
-/// What a candidate is.
+/// Kind of a candidate.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum CandidateKind {
     /// A cluster that shows an annotated vehicle.
     Vehicle {
-        /// What it is.
+        /// Class of the vehicle.
         class: AnnotationClass,
         /// The box around all of it, front forward.
         whole: Option<OrientedBox>,
-        /// How much of it is hidden.
+        /// How much of it is hidden, if the labels say so.
         occlusion: Option<Occlusion>,
     },
-    /// A cluster that shows none.
+    /// A cluster that shows no vehicle.
     Cluster,
-    /// A cluster of a part of a vehicle, of several, or of a vehicle and other things, that shows none of them well enough.
+    /// A cluster of a part of a vehicle, of several vehicles, or of a vehicle and other things, that shows no vehicle well
+    /// enough.
     Fragment,
-    /// What lies in a rectangle put anywhere over the foreground.
+    /// Points in a rectangle put anywhere over the foreground.
     CutRegion,
 }
 

@@ -14,7 +14,7 @@ use crate::scan_pass::{PassedScan, ScanPass, ScanPassError};
 use crate::training::candidate_kind::CandidateKind;
 use crate::training::vehicle_labels::VehicleLabels;
 
-/// Rectangles that are cut out of the foreground of a scan.
+/// Number of rectangles that are cut out of the foreground of a scan.
 const N_CUTS: usize = 4;
 /// Their sides, from that of a motor cycle to that of a van.
 const CUT_LENGTH_M: std::ops::Range<f32> = 2.0..7.0;
@@ -23,11 +23,11 @@ const CUT_WIDTH_M: std::ops::Range<f32> = 0.6..2.6;
 /// An object to train with or to judge by.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Candidate {
-    /// The drive it was seen on.
+    /// Its drive.
     pub sequence: String,
-    /// What it is.
+    /// Its kind.
     pub kind: CandidateKind,
-    /// The box around what is seen of it.
+    /// The box around its points.
     pub bounding_box: OrientedBox,
     /// The ground below it, and what stands around it.
     pub surroundings: Surroundings,
@@ -35,25 +35,25 @@ pub struct Candidate {
     pub positions_m: Vec<[f32; 3]>,
 }
 
-/// Where candidates come from.
+/// Source of candidates.
 pub struct CandidateSource<'a> {
-    /// Makes the detector whose clusters they are.
+    /// Makes the detector whose clusters are the candidates.
     pub new_detector: &'a (dyn Fn() -> Box<dyn Detector> + Sync),
-    /// How the box around regions that are cut out is fitted; clusters have those of the detector.
+    /// Fits the boxes of cut regions; clusters have the boxes of the detector.
     pub object_box: ObjectBox,
     /// How the ground below them is found.
     pub ground: &'a HierarchicalParams,
-    /// Candidates of fewer points are left out: the detector takes them for nothing.
+    /// Candidates with fewer points are left out, as the detector ignores them.
     pub min_points: usize,
-    /// What regions are cut out is drawn from it.
+    /// Seed for drawing the cut regions.
     pub seed: u64,
 }
 
-/// What every thread looks at its scans with.
+/// State of a thread that passes over scans.
 type State = (Box<dyn Detector>, Pipeline, ObjectRaster);
 
-/// What `kept` makes of the candidates of the scans of `pass`, in their order: what the detector of `source` finds in them,
-/// and regions cut out of it.
+/// Collects the candidates of the scans of `pass`, mapped by `kept`, in the order of the scans: the detections of the
+/// detector of `source`, and regions cut out of their points.
 ///
 /// `kept` is called for every scan, from several threads.
 ///
@@ -76,7 +76,7 @@ pub fn collect_candidates<T: Send>(
         let mut output = DetectorOutput::default();
         detector.detect(&scan.cloud, &mut output);
         ground.detect(&scan.cloud, &mut DetectorOutput::default());
-        // A stream for every scan, so that the order in which they are looked at does not matter.
+        // One random stream for every scan, so that the order of the scans does not matter.
         let mut rng = ChaCha8Rng::seed_from_u64(source.seed);
         rng.set_stream(scan_idx as u64);
         let mut found = clusters(scan, &output, source);

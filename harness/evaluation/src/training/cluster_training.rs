@@ -10,16 +10,15 @@ use super::candidates::Candidate;
 /// A cluster as the trees see it.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ClusterExample {
-    /// The drive it was seen on.
+    /// Its drive.
     pub sequence: String,
-    /// What the trees look at.
+    /// Its values.
     pub values: [f32; N_FEATURES],
     /// Whether it shows a vehicle.
     pub is_vehicle: bool,
 }
 
-/// What the trees see of the clusters among `candidates` that have the size of a vehicle. Regions that were cut out are no
-/// clusters.
+/// Examples of the clusters among `candidates` that have the size of a vehicle. Cut regions are no clusters.
 pub fn described_clusters(candidates: &[Candidate], library: &PrototypeLibrary) -> Vec<ClusterExample> {
     let mut describer = VehicleDescriber::new(library.clone());
     let is_asked = |it: &&Candidate| {

@@ -7,10 +7,10 @@ use detector::describe::object_describer::ObjectDescriber;
 
 use super::candidates::Candidate;
 
-/// An object with what the classifier sees of it.
+/// An object with the values that the classifier uses.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct DescribedObject<const D: usize> {
-    /// What it is, as in files.
+    /// Name of its kind, as in files.
     pub kind: &'static str,
     /// Whether it is a vehicle.
     pub is_vehicle: bool,
@@ -19,18 +19,18 @@ pub struct DescribedObject<const D: usize> {
 }
 
 impl<const D: usize> DescribedObject<D> {
-    /// What `describer` sees of `candidate`; `None` without points.
+    /// The values that `describer` computes of `candidate`; `None` without points.
     pub fn of(candidate: &Candidate, describer: &mut impl ObjectDescriber<D>) -> Option<Self> {
         let features = describer.describe(&candidate.bounding_box, candidate.positions_m.iter().copied())?;
         Some(Self { kind: candidate.kind.name(), is_vehicle: candidate.kind.is_vehicle(), features })
     }
 }
 
-/// The classifier of vehicles against background of `selected` candidates, whose values `describer` takes.
+/// Trains a classifier of vehicles against background on `selected` candidates; `describer` computes their values.
 ///
 /// # Errors
 ///
-/// [`NuSvcError`] if there is no such classifier.
+/// [`NuSvcError`] if the training fails.
 pub fn fit_model<const D: usize, S: ObjectDescriber<D>>(
     selected: &[&Candidate],
     describer: &mut S,

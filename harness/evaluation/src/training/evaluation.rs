@@ -1,4 +1,4 @@
-//! How good a trained model is on objects of drives it has not seen.
+//! How good a trained model is on objects of held-out drives.
 
 use std::collections::BTreeMap;
 
@@ -11,7 +11,7 @@ use rand_chacha::ChaCha8Rng;
 use super::described_object::DescribedObject;
 use super::operating_curves::OperatingCurves;
 
-/// How many objects of a kind are classified as vehicles, and how many are not.
+/// Numbers of objects of a kind that are classified as vehicles and as background.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub struct PredictedAs {
     /// Classified as vehicles.
@@ -20,18 +20,18 @@ pub struct PredictedAs {
     pub n_background: usize,
 }
 
-/// What a model does on held-out objects.
+/// Results of a model on held-out objects.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Evaluation<const D: usize> {
     /// The predictions for each kind of object, vehicles and others.
     pub predicted: BTreeMap<(bool, &'static str), PredictedAs>,
-    /// What happens at other thresholds.
+    /// Results at all thresholds.
     pub curves: OperatingCurves,
-    /// For each value, what the ROC area loses when that value is mixed up between objects.
+    /// Loss of ROC area for each value when this value is shuffled between objects; `None` without a ROC area.
     pub importance: [(&'static str, Option<f64>); D],
 }
 
-/// Judges `model` by `objects`. What is mixed up is drawn from `seed`.
+/// Judges `model` by `objects`. Values are shuffled by `seed`.
 pub fn evaluate<const D: usize>(
     model: &SvmModel<D>,
     objects: &[DescribedObject<D>],

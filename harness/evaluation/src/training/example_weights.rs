@@ -1,21 +1,21 @@
-//! How much examples of each data set weigh.
+//! Weights of the examples of each data set.
 
 /// The examples of a data set.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct DatasetExamples {
     /// Whether it was recorded and not simulated.
     pub is_recorded: bool,
-    /// How many there are.
+    /// Number of its examples.
     pub n_examples: usize,
 }
 
-/// No example of a recorded data set weighs more than so many simulated ones: a leaf of a tree is to rest on several.
+/// Greatest weight of an example of a recorded data set, in simulated examples: a leaf of a tree has to rest on several.
 pub const MOST_WEIGHT: f64 = 20.0;
 
-/// What an example of each data set weighs.
+/// Weight of an example of each data set.
 ///
-/// Recorded data sets weigh the same, whatever their size, and together as much as all simulated ones, up to
-/// [`MOST_WEIGHT`] an example. A simulated example weighs 1. Without any simulated one, the mean is 1.
+/// Recorded data sets weigh the same, whatever their size, and together as much as all simulated ones, up to a weight of
+/// [`MOST_WEIGHT`] an example. A simulated example weighs 1. Without simulated examples the mean weight is 1.
 pub fn example_weights(datasets: &[DatasetExamples]) -> Vec<f64> {
     let n_of = |is_recorded: bool| {
         let of_kind = datasets.iter().filter(|it| it.is_recorded == is_recorded);

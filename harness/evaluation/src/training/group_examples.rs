@@ -20,19 +20,19 @@ pub const LEAST_IOU: f32 = 0.5;
 /// The groups of a scan.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ScanGroups {
-    /// The drive it was seen on.
+    /// Its drive.
     pub sequence: String,
-    /// What each of its groups weighs in training.
+    /// Weight of each of its groups in training.
     pub weight: f64,
-    /// All nodes of its tree, parts before what they are parts of.
+    /// All nodes of its tree, parts before wholes.
     pub upward: Vec<u32>,
-    /// Of each node, what it is a part of.
+    /// The whole that each node is a part of; `None` for roots.
     pub wholes: Vec<Option<u32>>,
-    /// The nodes that the detector looks at, ascending.
+    /// Groups of the nodes that the detector judges, ascending.
     pub groups: Vec<GroupExample>,
 }
 
-/// A group of a tree, and what the labels say of it.
+/// A group of a tree, with its labels.
 #[derive(Debug, Clone, PartialEq)]
 pub struct GroupExample {
     /// Its number in the tree.
@@ -41,16 +41,16 @@ pub struct GroupExample {
     pub node_values: [f32; N_NODE_VALUES],
     /// The values that distinguish vehicles.
     pub vehicle_values: [f32; N_VEHICLE_VALUES],
-    /// `None` if the labels say nothing about half of its points.
+    /// `None` unless more than half of its points are labelled.
     pub labels: Option<GroupLabels>,
 }
 
-/// What the labels say of a group.
+/// Labels of a group.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct GroupLabels {
     /// Its greatest intersection over union with an annotated object, by points; 0 to 1.
     pub iou: f32,
-    /// Whether it shows a vehicle; `None` if the labels do not say whether what it shows is one.
+    /// Whether it shows a vehicle; `None` if the class of the object that it shows leaves this open.
     pub is_vehicle: Option<bool>,
 }
 
@@ -60,19 +60,20 @@ impl GroupExample {
         self.labels.is_some_and(|it| it.iou >= LEAST_IOU)
     }
 
-    /// The levels at which it is a group of its own: from that at which its parts are joined to that at which it is.
+    /// The levels at which it is a group of its own: from the level at which its parts are joined to the level at which it
+    /// is joined itself.
     pub fn levels(&self) -> std::ops::Range<usize> {
         self.node_values[LEVEL] as usize..self.node_values[JOINED_AT] as usize
     }
 }
 
 impl ScanGroups {
-    /// How many of its groups the labels say something about.
+    /// Number of its groups with labels.
     pub fn n_labeled(&self) -> usize {
         self.groups.iter().filter(|it| it.labels.is_some()).count()
     }
 
-    /// The expected IoU of each of its groups by `forests`, after so many rounds.
+    /// Expected IoU of each of its groups by `forests` after `rounds`.
     pub fn expected_ious(
         &self,
         forests: &RefinementForests,
@@ -92,15 +93,15 @@ impl ScanGroups {
     }
 }
 
-/// What every thread looks at its scans with.
+/// State of a thread that passes over scans.
 struct Looker {
     grouping: Pipeline,
     describer: VehicleDescriber,
     box_fit: ConvexHullBox,
 }
 
-/// The groups of the scans of `pass` that a detector over the grouping that `new_grouping` makes would look at, scan by
-/// scan; side profiles are compared with those of `library`.
+/// Collects, scan by scan of `pass`, the groups that a detector with the grouping of `new_grouping` would judge. Side
+/// profiles are compared with those of `library`.
 ///
 /// # Errors
 ///

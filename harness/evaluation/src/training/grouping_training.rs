@@ -1,4 +1,4 @@
-//! The trees that judge groups, trained.
+//! Training of the trees that judge groups.
 
 use std::collections::BTreeMap;
 
@@ -10,7 +10,7 @@ use crate::training::boosting::{BoostingParams, Target, boost};
 use crate::training::group_examples::ScanGroups;
 use crate::training::refinement_training::{N_FORESTS, train_refinement};
 
-/// Chosen on held-out drives of the training streets. Trees that each learn from half of the examples and values do as well,
+/// Chosen on held-out drives of the training streets. Trees that each learn from half of the examples and values are as good
 /// and take less time.
 const OBJECTS: BoostingParams =
     BoostingParams { n_trees: 120, depth: 6, learning_rate: 0.18, least_leaf_weight: 50.0, drawn_share: 0.5 };
@@ -18,15 +18,15 @@ const OBJECTS: BoostingParams =
 pub const VEHICLES: BoostingParams =
     BoostingParams { n_trees: 400, depth: 6, learning_rate: 0.1, least_leaf_weight: 5.0, drawn_share: 0.5 };
 
-/// The forest of vehicles learns from groups of this expected IoU and more: others are not taken for an object.
+/// The forest of vehicles learns from groups of at least this expected IoU: others are not taken for objects.
 pub const LEAST_IOU_OF_VEHICLES: f32 = 0.25;
 
-/// Forests that [`train_on_groups`] trains.
+/// Number of forests that [`train_on_groups`] trains.
 pub const N_GROUPING_FORESTS: usize = N_FORESTS + 1;
 
-/// Trains all forests with `scans`, whose side profiles were compared with those of `library`. The expected IoU of a group,
-/// which says whether the forest of vehicles learns from it, comes from forests that have not seen its drive, after so many
-/// `rounds`.
+/// Trains all forests with `scans`, whose side profiles were compared with those of `library`. The expected IoU of a group
+/// decides whether the forest of vehicles learns from it; it comes from forests that have not seen its drive, after `rounds`
+/// rounds.
 ///
 /// `on_forest` is called after each of [`N_GROUPING_FORESTS`].
 ///
@@ -57,8 +57,8 @@ pub fn train_on_groups(
     Ok(GroupingModel { objects, vehicles, library })
 }
 
-/// The tolerance for each sensor at which most annotated objects are a component, of those that have scans among `scans`; of
-/// equals the smallest. The groups are components within components, at `tolerances_m` by level.
+/// For each sensor of `scans` the tolerance at which most annotated objects are a component; of equals the smallest. The
+/// groups are components within components, at `tolerances_m` by level.
 pub fn best_tolerances<'a>(
     scans: impl Iterator<Item = (&'a str, &'a ScanGroups)>,
     tolerances_m: &[f32],
@@ -85,7 +85,7 @@ mod tests {
     use super::*;
     use crate::training::group_examples::{GroupExample, GroupLabels};
 
-    /// A group that is there from one level to another, and fits an object so well.
+    /// A group that exists from level `level` to `joined_at` and has this `iou` with an object.
     fn group(level: f32, joined_at: f32, iou: f32) -> GroupExample {
         let mut node_values = [0.0; N_NODE_VALUES];
         for (name, value) in [("level", level), ("joined_at", joined_at)] {
@@ -104,7 +104,7 @@ mod tests {
             wholes: vec![],
             groups,
         };
-        // One object from the second level on, one up to the second, one at the third alone; and what fits none.
+        // One object from the second level on, one up to the second, one only at the third; and a group that fits none.
         let far = scan(vec![
             group(1.0, 10.0, 0.9),
             group(0.0, 2.0, 0.5),

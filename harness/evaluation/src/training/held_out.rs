@@ -1,4 +1,4 @@
-//! Which drives are trained on, and which are kept to judge by.
+//! Which drives are for training, and which are held out for judging.
 
 use std::collections::BTreeSet;
 
@@ -9,15 +9,15 @@ use scans::dataset::Dataset;
 /// Whole drives are held out, so that no object is on both sides: a track does not leave its drive.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct HeldOut {
-    /// Data set and sequence of each, those trained on first.
+    /// Data set and sequence of each drive for training.
     pub trained: BTreeSet<(String, String)>,
-    /// Those kept to judge by.
+    /// Data set and sequence of each drive for judging.
     pub held_out: BTreeSet<(String, String)>,
 }
 
 impl HeldOut {
-    /// Holds out the last of every `every` drives of each data set, as `datasets` gives them with the scans taken; the last
-    /// of all if there are fewer. `None` if no two drives are left to part.
+    /// Holds out the last of every `every` drives of each data set; if no data set has so many, the last drive of all.
+    /// `datasets` has the indices of the scans taken of each. `None` if there are fewer than two drives.
     pub fn every<'a>(
         every: usize,
         datasets: impl Iterator<Item = (&'a dyn Dataset, &'a [usize])>,
@@ -36,7 +36,8 @@ impl HeldOut {
         (!parted.trained.is_empty() && !parted.held_out.is_empty()).then_some(parted)
     }
 
-    /// Trains on all drives of some data sets, as they are given with the scans taken, and holds out all of others.
+    /// Trains on all drives of some data sets and holds out all drives of others. Each comes with the indices of the scans
+    /// taken.
     ///
     /// # Errors
     ///
@@ -57,7 +58,7 @@ impl HeldOut {
         self.held_out.contains(&(dataset.to_owned(), sequence.to_owned()))
     }
 
-    /// How many `drives` there are of each data set, and from which to which.
+    /// Number of `drives` of each data set, with the first and the last.
     pub fn summary(drives: &BTreeSet<(String, String)>) -> String {
         let drives: Vec<_> = drives.iter().collect();
         let of_dataset = drives.chunk_by(|a, b| a.0 == b.0).map(|drives| match drives {

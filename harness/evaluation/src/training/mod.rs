@@ -1,4 +1,4 @@
-//! From labelled scans to trained models, and how good they are on streets they have not seen.
+//! Training of models on labelled scans, and their quality on held-out streets.
 
 pub mod model_kind;
 pub mod candidate_kind;
@@ -19,11 +19,11 @@ pub mod grouping_training;
 pub mod cluster_training;
 pub mod box_training;
 
-/// The last of so many drives is held out.
+/// The last of every so many drives is held out.
 pub const HOLD_OUT_EVERY: u32 = 4;
-/// Other objects to train on for each vehicle.
+/// Number of other training objects for each vehicle.
 pub const OTHERS_PER_VEHICLE: f64 = 1.5;
-/// Side profiles of each kind of vehicle.
+/// Number of side profiles of each kind of vehicle.
 pub const PROTOTYPES: u32 = 2;
-/// Seed of all that is drawn.
+/// Seed of all random choices.
 pub const CHOICE_SEED: u64 = 1;

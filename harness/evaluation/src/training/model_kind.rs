@@ -1,4 +1,4 @@
-//! Whose vehicle model is trained, and with which parameters unless others are asked for.
+//! Kinds of vehicle models, and the default parameters of their training.
 
 use detector::classify::nu_svc_solver::Tolerance;
 
@@ -7,9 +7,9 @@ use crate::object_box::ObjectBox;
 /// A vehicle model that is a support vector machine.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum ModelKind {
-    /// By the eight values of the paper (VM section 5).
+    /// With the eight values of the paper (VM section 5).
     Paper,
-    /// By how points lie in their neighbourhoods (VM section 6, the rival).
+    /// With the shapes of the neighbourhoods of points (VM section 6, the rival).
     Pca,
 }
 
@@ -44,8 +44,8 @@ impl ModelKind {
         }
     }
 
-    /// How far from its end training stops: decision values are near to where they should be. At the paper's ν that is out
-    /// of reach, so its model is trained as far as the library of the paper goes by default (VM section 5, reference 15).
+    /// Tolerance at which training stops: decision values are then close to their final ones. At the paper's ν it cannot
+    /// be reached, so its model is trained to the default of the paper's library (VM section 5, reference 15).
     pub fn tolerance(self) -> Tolerance {
         match self {
             Self::Pca => Tolerance::OfMargin(0.1),

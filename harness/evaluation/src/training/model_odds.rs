@@ -1,14 +1,14 @@
-//! Odds of vehicles that mean something on recorded scans.
+//! Odds of vehicles calibrated for recorded scans.
 
 use std::str::FromStr;
 
 use detector::classify::forest::Forest;
 
-/// How the log odds of a vehicle that a model learned on simulated streets are to be changed: they are taken `slope` times,
-/// and `offset` is added. Where less of what looks like a vehicle is one, as on recorded scans, odds are too high.
+/// Correction of the log odds of a vehicle that a model learned on simulated streets: they are multiplied by `slope`, then
+/// `offset` is added. On recorded scans fewer objects that look like vehicles are vehicles, so the odds are too high.
 ///
-/// Platt 1999, *Probabilistic outputs for support vector machines and comparisons to regularized likelihood methods*, on what
-/// a detector reports.
+/// Platt 1999, *Probabilistic outputs for support vector machines and comparisons to regularized likelihood methods*,
+/// applied to the reports of a detector.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ModelOdds {
     /// The model, by the name in its file.
@@ -20,7 +20,7 @@ pub struct ModelOdds {
 }
 
 impl ModelOdds {
-    /// The forest of vehicles of `model` with the odds of those of `all` that are for it.
+    /// The vehicle forest of `model`, with the correction in `all` for this model, if there is one.
     pub fn applied<const D: usize>(all: &[Self], model: &str, forest: Forest<D>) -> Forest<D> {
         match all.iter().find(|it| it.model == model) {
             Some(odds) => forest.rescaled(odds.slope, odds.offset),
@@ -49,7 +49,7 @@ impl FromStr for ModelOdds {
     }
 }
 
-/// Numbers beyond this are typing errors.
+/// Numbers beyond this are taken for typing errors.
 const MOST: f32 = 20.0;
 
 #[cfg(test)]

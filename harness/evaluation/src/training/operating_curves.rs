@@ -1,6 +1,6 @@
-//! What a classifier gains and loses as its threshold falls.
+//! True and false vehicles of a classifier as its threshold falls.
 
-/// Counts of objects classified as vehicles, down to one decision value.
+/// Counts of objects classified as vehicles at one threshold.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct OperatingPoint {
     /// The least decision value that makes a vehicle.
@@ -19,7 +19,8 @@ pub struct OperatingCurves {
 }
 
 impl OperatingCurves {
-    /// The curves of `judged`: decision values, none of them NaN, with whether it is a vehicle. Equal values are one point.
+    /// The curves of `judged`: decision values, none of them NaN, and whether the object is a vehicle. Equal values give one
+    /// point.
     pub fn of(judged: impl Iterator<Item = (f32, bool)>) -> Self {
         let mut judged: Vec<(f32, bool)> = judged.collect();
         judged.sort_by(|a, b| b.0.total_cmp(&a.0));
@@ -44,8 +45,8 @@ impl OperatingCurves {
         self.points.last().map_or([0, 0], |it| [it.n_true, it.n_false])
     }
 
-    /// Area under the receiver operating characteristic: how often a vehicle has a higher value than another object, where
-    /// equals count half. `None` without either.
+    /// Area under the receiver operating characteristic: how often a vehicle has a higher value than another object; equal
+    /// values count half. `None` without vehicles or without others.
     pub fn roc_area(&self) -> Option<f64> {
         let [n_vehicles, n_others] = self.totals();
         let mut before = [0, 0];

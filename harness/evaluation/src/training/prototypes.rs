@@ -13,13 +13,13 @@ use super::candidates::Candidate;
 ///
 /// Paper: VM section 4, the resolution of the concave hull.
 pub const COLUMN_M: f32 = 0.2;
-/// A profile is taken of vehicles seen well: of as many points, and so much of their length and height.
+/// Profiles are taken only of vehicles seen well: with at least these points and shares of their length and height.
 const LEAST_POINTS: usize = 200;
 const LEAST_SHARE_OF_LENGTH: f32 = 0.9;
 const LEAST_SHARE_OF_HEIGHT: f32 = 0.75;
-/// The box found must stand as the vehicle does: within 8 degrees.
+/// The box must have the heading of the vehicle within 8 degrees.
 const LEAST_COS_OF_TURN: f32 = 0.99;
-/// Profiles of a kind among which its prototypes are looked for.
+/// Most profiles of a kind among which its prototypes are searched.
 const MOST_PROFILES: usize = 100;
 
 /// Kinds of vehicles that have prototypes.
@@ -31,8 +31,8 @@ struct Profile {
     function: TurningFunction,
 }
 
-/// Up to `n_per_kind` profiles of cars, vans, trucks and buses among `candidates`: those to which the others of their kind
-/// differ least, chosen one after the other.
+/// Up to `n_per_kind` profiles of each of cars, vans, trucks and buses among `candidates`: those from which the others of
+/// their kind differ least, chosen one after the other.
 ///
 /// Paper: VM section 4, prototypes.
 pub fn find_prototypes(candidates: &[&Candidate], n_per_kind: usize) -> Vec<Prototype> {
@@ -57,7 +57,7 @@ fn is_of(candidate: &Candidate, kind: AnnotationClass) -> bool {
     matches!(candidate.kind, CandidateKind::Vehicle { class, .. } if class == kind)
 }
 
-/// Whether a profile may be taken of a candidate: a vehicle of which most is seen.
+/// Whether a profile may be taken of a candidate: a vehicle that is mostly visible.
 pub fn is_seen_well(candidate: &Candidate) -> bool {
     let CandidateKind::Vehicle { whole: Some(whole), occlusion, .. } = candidate.kind else {
         return false;
@@ -93,8 +93,8 @@ fn profile(candidate: &Candidate) -> Option<Profile> {
     Some(Profile { contour_m, function })
 }
 
-/// Indices of up to `n` profiles, each chosen so that the sum of what all profiles differ from the nearest chosen one
-/// becomes least; of equals, the first.
+/// Indices of up to `n` profiles. Each is chosen to minimize the sum over all profiles of the distance to the nearest chosen
+/// one; of equals, the first.
 fn medoids(profiles: &[Profile], n: usize) -> Vec<usize> {
     let differences: Vec<Vec<f32>> = profiles
         .iter()

@@ -11,18 +11,18 @@ use rayon::prelude::*;
 use crate::training::boosting::{BoostingParams, Target, boost};
 use crate::training::group_examples::{GroupExample, ScanGroups};
 
-/// Parts of the drives; the expected IoU of one of them come from forests of the others.
+/// Number of parts of the drives; the expected IoU of one part come from forests of the others.
 const N_FOLDS: usize = 3;
 
-/// Forests that [`train_refinement`] trains: each round, and each round of each part by the others.
+/// Number of forests that [`train_refinement`] trains: for each round one of all parts, and one without each part.
 pub const N_FORESTS: usize = (1 + N_REFINEMENTS) * (1 + N_FOLDS);
 
-/// Trains the forests of all rounds with `scans`. Returns them, and the expected IoU of each group of the scans, after so
-/// many `rounds`, by forests that have not seen its drive.
+/// Trains the forests of all rounds with `scans`. Returns them, and the expected IoU of each group of the scans after
+/// `rounds` rounds, by forests that have not seen its drive.
 ///
-/// A forest is better on the scans that it learned from than on others. So the round after it learns from what forests say
-/// that have not seen these drives: the drives are parted in three, by their names, since one street may be there under
-/// several conditions and sensors. With fewer drives than that, the scans are.
+/// A forest is better on the scans that it learned from than on others. So the next round learns from the outputs of forests
+/// that have not seen these drives. For this, the drives are split into three parts by their names, since the data may have
+/// one street under several conditions and sensors. If there are fewer than three drives, the scans are split.
 ///
 /// `on_forest` is called after each of [`N_FORESTS`].
 ///
@@ -68,7 +68,7 @@ fn folds(scans: &[&ScanGroups]) -> Vec<usize> {
     scans.iter().enumerate().map(|it| index(it) % N_FOLDS).collect()
 }
 
-/// What a refinement round sees of the groups of a scan with these expected IoU, of those that it refines.
+/// Values for a refinement round of the groups of a scan with these expected IoU; `None` for groups that are not refined.
 fn seen_again(scan: &ScanGroups, expected_ious: &[f32]) -> Vec<Option<[f32; N_REFINEMENT_VALUES]>> {
     let mut contexts = NodeContexts::default();
     let node_idxs = scan.groups.iter().map(|it| it.node_idx);
@@ -81,7 +81,7 @@ fn seen_again(scan: &ScanGroups, expected_ious: &[f32]) -> Vec<Option<[f32; N_RE
         .collect()
 }
 
-/// What the forests of all rounds learn from.
+/// Examples for the forests of all rounds.
 struct Examples<'a> {
     scans: &'a [&'a ScanGroups],
     folds: &'a [usize],
@@ -90,7 +90,7 @@ struct Examples<'a> {
 }
 
 impl Examples<'_> {
-    /// A forest that learned from all scans, of whose groups it sees `seen`, but those of one part.
+    /// Trains a forest with all scans except those of the part `left_out`; `seen` are the values of their groups.
     fn forest<const D: usize>(
         &self,
         seen: &[Vec<Option<[f32; D]>>],
@@ -144,8 +144,8 @@ mod tests {
     use detector::classify::refinement_forests::RefinementBuffers;
     use detector::group::node_values::N_NODE_VALUES;
 
-    /// A whole of two parts, which is the object or of which each part is one: nothing that a group has by itself shows
-    /// which. But the first part is longer if both are objects.
+    /// A whole of two parts: either the whole is the object, or each part is one. No value of a group by itself shows which,
+    /// but the first part is longer if both parts are objects.
     fn scan(sequence: &str, are_parts: bool, noise: f32) -> ScanGroups {
         let group = |node_idx, value: f32, iou| {
             let mut node_values = [0.0; N_NODE_VALUES];
@@ -170,7 +170,7 @@ mod tests {
                 group(0, length, of_part),
                 group(1, 3.0, of_part),
                 group(2, 4.0, of_whole),
-                // Without hope, so that only the first round learns from it.
+                // Hopeless, so that only the first round learns from it.
                 group(3, 9.0, 0.0),
             ],
         }
@@ -195,7 +195,7 @@ mod tests {
         let (forests, expected_ious) =
             train_refinement(&scans.iter().collect::<Vec<_>>(), &PARAMS, 3, &on_forest).unwrap();
         assert_eq!(n_forests.into_inner(), N_FORESTS);
-        // Drives differ by their names alone, so that what others say of them is right, too.
+        // Drives differ only in their names, so forests of other drives are right, too.
         let groups = scans.iter().flat_map(|it| &it.groups);
         for (expected_iou, group) in expected_ious.iter().flatten().zip(groups) {
             let iou = group.labels.unwrap().iou;

@@ -1,4 +1,4 @@
-//! Which candidates a model is trained on: vehicles and background, and not more than the solver takes.
+//! Selection of the candidates for training: vehicles and background, not more than the solver can handle.
 
 use rand::SeedableRng as _;
 use rand::seq::SliceRandom as _;
@@ -7,14 +7,14 @@ use rand_chacha::ChaCha8Rng;
 use super::candidate_kind::CandidateKind;
 use super::candidates::Candidate;
 
-/// Cut regions are at most this share of the background: a street has more clusters to be taken for vehicles than
-/// rectangles that nobody put there.
+/// Greatest share of cut regions in the background: a street has more clusters that may be taken for vehicles than
+/// arbitrary rectangles.
 const MOST_CUT_REGIONS: f64 = 0.25;
-/// Fragments of vehicles are at most this share of it.
+/// Greatest share of fragments of vehicles in the background.
 const MOST_FRAGMENTS: f64 = 0.15;
 
-/// Up to `most_vehicles` vehicles of `candidates`, drawn from `seed`, and up to `others_per_vehicle` times as many others,
-/// in the order they have there.
+/// Draws up to `most_vehicles` vehicles of `candidates` by `seed`, and up to `others_per_vehicle` times as many others.
+/// Keeps the order of `candidates`.
 ///
 /// Paper: VM section 6.
 pub fn select<'a>(

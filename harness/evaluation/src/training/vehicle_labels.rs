@@ -1,22 +1,22 @@
-//! What the labels of a scan say of any points of it.
+//! Kind of a set of points, according to the labels of the scan.
 
 use scans::annotation::{Annotation, LabeledScan, PointRegion};
 
 use super::candidate_kind::CandidateKind;
 use crate::matching::eligibility::{EligibilityParams, counts_as_vehicle, may_be_vehicle};
 
-/// Annotations of fewer points show no vehicle: they are not judged in a run either.
+/// Annotations with fewer points count as no vehicle: they are not judged in a run either.
 const LEAST_ANNOTATED_POINTS: usize = EligibilityParams::STANDARD.min_points;
-/// Least intersection over union of the points of a cluster and the vehicle it shows.
+/// Least intersection over union of the points of a cluster and the vehicle that it shows.
 const LEAST_IOU: f64 = 0.5;
-/// Background has at most this share of its points on vehicles, or on what may be one. A cluster with a larger share that
-/// shows no vehicle is a fragment.
+/// Background has at most this share of its points on annotations that are or may be vehicles. A cluster with a larger share
+/// that shows no vehicle is a fragment.
 const MOST_ON_VEHICLES: f64 = 0.05;
 
 /// The labels of one scan.
 pub struct VehicleLabels<'a> {
     scan: &'a LabeledScan,
-    /// For every point whether it is on a vehicle, or on something of which the task does not say whether it is one.
+    /// For every point whether it is on an annotation that is or may be a vehicle.
     is_on_vehicle: Vec<bool>,
 }
 
@@ -34,7 +34,7 @@ impl<'a> VehicleLabels<'a> {
         Self { scan, is_on_vehicle }
     }
 
-    /// What these points show. `None` if the labels do not say it.
+    /// Kind of these points. `None` if the labels do not determine it.
     pub fn kind_of(&self, point_indices: &[u32]) -> Option<CandidateKind> {
         let n_points = point_indices.len();
         if !self.is_labeled(point_indices) {
@@ -56,7 +56,7 @@ impl<'a> VehicleLabels<'a> {
         }
     }
 
-    /// The annotations that these points share some of theirs with, and how many.
+    /// Annotations that share points with these, and the number of shared points.
     fn shared(&self, point_indices: &[u32]) -> Vec<(&'a Annotation, usize)> {
         let with_number = |annotation: &'a Annotation| {
             let is_shared = |point_idx: &&u32| annotation.point_indices.binary_search(point_idx).is_ok();
@@ -70,14 +70,15 @@ impl<'a> VehicleLabels<'a> {
         n_on_vehicles as f64 <= MOST_ON_VEHICLES * point_indices.len() as f64
     }
 
-    /// Whether the labels say something about most of these points.
+    /// Whether more than half of these points are in the labelled region.
     fn is_labeled(&self, point_indices: &[u32]) -> bool {
         let labeled = |&&it: &&u32| self.scan.point_regions[it as usize] == PointRegion::Labeled;
         2 * point_indices.iter().filter(labeled).count() > point_indices.len()
     }
 }
 
-/// Whether half of the points lie on what is not judged: vehicles of few points, and what may be one.
+/// Whether half of the points lie on annotations that are not judged: those with too few points, and those that may be
+/// vehicles.
 fn is_unscorable(shared: &[(&Annotation, usize)], n_points: usize) -> bool {
     let on_unscorable = shared.iter().filter(|(annotation, _)| {
         let too_few = annotation.point_indices.len() < LEAST_ANNOTATED_POINTS;

@@ -7,7 +7,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 
 static STDOUT_WAS_CLOSED: AtomicBool = AtomicBool::new(false);
 
-/// Whether there is nothing that takes results.
+/// Whether stdout was closed when the program started.
 pub fn stdout_was_closed() -> bool {
     STDOUT_WAS_CLOSED.load(Ordering::Relaxed)
 }
@@ -18,8 +18,8 @@ mod before_main {
 
     use super::STDOUT_WAS_CLOSED;
 
-    // SAFETY: the loader calls all functions of this section once, before other threads; this one asks the system about a
-    // number and sets an atomic, for which the standard library need not have begun.
+    // SAFETY: the loader calls all functions of this section once, before other threads. This one asks the system about a
+    // file descriptor and sets an atomic, for which the standard library need not have begun.
     #[used]
     #[expect(unsafe_code, reason = "nothing else runs before the standard library opens the streams")]
     #[unsafe(link_section = ".init_array")]

@@ -1,4 +1,4 @@
-//! From the command line to detectors and parameters.
+//! Detectors and parameters that the command line names.
 
 use std::collections::BTreeSet;
 use std::path::PathBuf;
@@ -18,8 +18,8 @@ use crate::plumbing::standard_streams::{print_detail, print_diagnostic};
 /// The file that defines detectors and parameters, in the working directory or one above it.
 pub const CONFIGURATION_FILE: &str = "scanbench.toml";
 
-/// The detectors with these names, and the parameters that ship, overridden by the file and then by the options of
-/// `arguments`, whose short names are those of parameters of these detectors.
+/// The detectors with these names, and the shipped parameters, overridden by the file and then by the options of
+/// `arguments`. Short names of options are those of parameters of these detectors.
 pub fn chosen_detectors(
     arguments: &ConfigArgs,
     names: &[String],
@@ -29,7 +29,7 @@ pub fn chosen_detectors(
     Ok((chosen, config))
 }
 
-/// The same before anybody has looked at which models they read: they may get more parameters.
+/// As [`chosen_detectors`], but models that no detector reads are not refused yet: detectors may get more parameters.
 pub fn runnable_detectors(
     arguments: &ConfigArgs,
     names: &[String],
@@ -48,8 +48,8 @@ pub fn runnable_detectors(
     }
 }
 
-/// The same with detectors that left results: those that `left` names, and those of the file. Those of `left` that `names`
-/// does not have come last.
+/// As [`chosen_detectors`], and with detectors that left results: those that `left` names, and those of the file. Detectors
+/// of `left` that are not among `names` come last.
 pub fn chosen_with_results(
     arguments: &ConfigArgs,
     names: &[String],
@@ -82,7 +82,7 @@ pub fn refuse_unread_models<'a>(
         let directory = compared_detectors.iter().find_map(|(_, config)| config.directory_of(model));
         let is_read = compared_detectors.iter().any(|(chosen, config)| {
             chosen.vehicle_model(config).is_some_and(|it| it.parameter() == model.parameter())
-                // Without the models of vehicles, boxes are by the one that comes with the program.
+                // Without the models of vehicles, the one that comes with the program makes the boxes.
                 || model == TrainedModel::Boxes
                     && config.vehicle_models.is_some()
                     && chosen.has_whole_boxes(config)
@@ -121,7 +121,7 @@ fn choose(
     Ok((chosen, config))
 }
 
-/// The same of built-in detectors alone.
+/// As [`chosen_detectors`], for built-in detectors alone.
 pub fn built_in_detectors(
     arguments: &ConfigArgs,
     names: &[String],
@@ -132,7 +132,7 @@ pub fn built_in_detectors(
     Ok((listed, config))
 }
 
-/// The same before anybody has looked at which models they read: variants of them may read others.
+/// As [`built_in_detectors`], but models that no detector reads are not refused yet: variants may read others.
 pub fn built_in_methods(
     arguments: &ConfigArgs,
     names: &[String],
@@ -142,7 +142,7 @@ pub fn built_in_methods(
     Ok((listed, choose(&config, arguments, names)?.1))
 }
 
-/// Judges by the criterion of `matching`, if it names one, whatever the configuration says.
+/// Overrides the criterion of the configuration with that of `matching`, if it names one.
 pub fn choose_criterion(config: &mut RunConfig, matching: &MatchingArgs) {
     match matching.criterion {
         Some(CriterionName::Points) => config.choose_criterion(Criterion::POINTS),
@@ -161,20 +161,20 @@ fn load(arguments: &ConfigArgs) -> Result<RunConfig, Failure> {
     Ok(RunConfig::load(arguments.config.as_deref().or(found.as_deref()))?)
 }
 
-/// The nearest file of that name in the working directory or above it.
+/// The nearest [`CONFIGURATION_FILE`] in the working directory or above it.
 fn configuration_file() -> Option<PathBuf> {
     let folder = std::env::current_dir().ok()?;
     folder.ancestors().map(|it| it.join(CONFIGURATION_FILE)).find(|it| it.is_file())
 }
 
-/// Says so if it is not known how densely the sensor of `dataset` samples the street.
+/// Warns if there is no density curve for the sensor of `dataset`.
 pub fn warn_of_unknown_sensor(config: &RunConfig, dataset: &DatasetDescription) {
     if config.for_dataset(&dataset.id, &dataset.sensor).is_none() {
         warn_of_missing_curve(&dataset.sensor);
     }
 }
 
-/// Says that the density curve of another sensor stands in for that of `sensor`.
+/// Warns that there is no density curve for `sensor`, and that that of another sensor stands in.
 pub fn warn_of_missing_curve(sensor: &str) {
     print_diagnostic(format_args!(
         "warning: there is no density curve for the sensor {sensor:?}; the detector uses that of {PAPER_SENSOR}; \

@@ -1,4 +1,4 @@
-//! A data set that counts which points its scans lack, whoever reads them.
+//! A data set that counts the points without a position in the scans that are read.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
@@ -6,7 +6,7 @@ use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use scans::annotation::LabeledScan;
 use scans::dataset::{Dataset, DatasetError, Listing, Nearness};
 
-/// How many points without a position each scan has, of the scans that were read and have any; and which have no others.
+/// Points without a position in the scans that were read: their number by scan, and the scans that have no other points.
 #[derive(Debug, Clone, Default)]
 pub struct PointsLeftOut(Arc<Mutex<CountedScans>>);
 
@@ -18,21 +18,21 @@ struct CountedScans {
 }
 
 impl PointsLeftOut {
-    /// The number of points, the number of scans, and the first of them, by its index in the data set; `None` if there are
-    /// none.
+    /// The number of points without a position, the number of scans that have some, and the index of the first of these in
+    /// the data set; `None` if there are none.
     pub fn sum(&self) -> Option<(usize, usize, usize)> {
         let by_scan = &self.counted().n_left_out;
         let (first, _) = by_scan.first_key_value()?;
         Some((by_scan.values().sum(), by_scan.len(), *first))
     }
 
-    /// The number of scans without a point, and the first of them; `None` if there are none.
+    /// The number of scans without points, and the index of the first of them; `None` if there are none.
     pub fn empty_scans(&self) -> Option<(usize, usize)> {
         let empty = &self.counted().empty;
         Some((empty.len(), *empty.first()?))
     }
 
-    /// The number of points in the scans at `scan_indices`.
+    /// The number of points without a position in the scans at `scan_indices`.
     pub fn n_points_in(&self, scan_indices: &[usize]) -> usize {
         let by_scan = &self.counted().n_left_out;
         scan_indices.iter().filter_map(|it| by_scan.get(it)).sum()
@@ -53,11 +53,11 @@ impl PointsLeftOut {
     }
 }
 
-/// A data set with that count, and with blocks of scans if the user has named some.
+/// A data set with [`PointsLeftOut`], and with blocks of scans if the user has named some.
 pub struct CountedDataset {
     dataset: Box<dyn Dataset>,
     points_left_out: PointsLeftOut,
-    // Of each scan.
+    // By scan.
     blocks: Option<Vec<Option<String>>>,
 }
 
@@ -68,7 +68,7 @@ impl CountedDataset {
         (Self { dataset, points_left_out: points_left_out.clone(), blocks: None }, points_left_out)
     }
 
-    /// `dataset`, each scan of which is in one of `blocks`, or is not taken.
+    /// `dataset` with the block of each scan; scans without a block are not taken.
     pub fn with_blocks(dataset: Box<dyn Dataset>, blocks: Vec<Option<String>>) -> Self {
         Self { dataset, points_left_out: PointsLeftOut::default(), blocks: Some(blocks) }
     }

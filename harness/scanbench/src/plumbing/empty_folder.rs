@@ -1,11 +1,11 @@
-//! Folders that somebody else's files must not be in.
+//! Folders that must not hold files of others.
 
 use std::io::ErrorKind;
 use std::path::Path;
 
 use crate::plumbing::failure::{Failure, Usage};
 
-/// Refuses a folder that is there and has something in it.
+/// Refuses a folder that exists and is not empty.
 pub fn refuse_occupied(folder: &Path) -> Result<(), Failure> {
     let occupied = match std::fs::read_dir(folder) {
         Ok(mut entries) => entries.next().is_some(),

@@ -1,4 +1,4 @@
-//! From what a verb comes to, to the exit code of the program.
+//! The exit code of the program for the result of a verb.
 
 use std::panic::{AssertUnwindSafe, catch_unwind};
 
@@ -22,7 +22,7 @@ pub fn exit_code_of(work: impl FnOnce() -> Result<(), Failure>) -> u8 {
     }
 }
 
-/// As `--help` documents them.
+/// The exit codes that `--help` documents.
 fn exit_code(failure: &Failure) -> u8 {
     match failure {
         Failure::Internal(_) => 1,

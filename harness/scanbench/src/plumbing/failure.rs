@@ -81,16 +81,16 @@ pub struct GateClosed(pub Conclusion);
     if *n_worse == 1 { "1 number is".to_owned() } else { format!("{n_worse} numbers are") }
 )]
 pub struct WorseThanAccepted {
-    /// How many numbers are.
+    /// How many numbers are worse than tolerated.
     pub n_worse: usize,
 }
 
-/// What was asked for makes no sense.
+/// A request that makes no sense.
 #[derive(Debug, thiserror::Error)]
 #[error("{0}")]
 pub struct Usage(pub String);
 
-/// What could not be done, and why.
+/// A problem in words, and its cause.
 #[derive(Debug, thiserror::Error)]
 #[error("{what}")]
 struct Because {
@@ -169,7 +169,7 @@ macro_rules! endings {
 }
 
 endings! {
-    // Rows for a file that is not there yet are ours.
+    // Rows of a file that does not exist yet come from this program.
     Internal: TableError, RunReportError, csv::Error;
     Usage: Usage, AblationError, ConfigError, DetectorListError, ForeignFileError, SweepPlanError,
         TolerancesError;
@@ -297,7 +297,7 @@ impl From<ArchiveError> for Failure {
     fn from(error: ArchiveError) -> Self {
         match &error {
             ArchiveError::Write { source, .. } => Self::of_writing(source.kind(), error),
-            // What a run has just written it can read.
+            // A run can read the files that it has just written: an error is a bug.
             ArchiveError::Read { .. }
             | ArchiveError::Schema { .. }
             | ArchiveError::Json { .. }

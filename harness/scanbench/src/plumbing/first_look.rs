@@ -28,20 +28,20 @@ use crate::plumbing::open_datasets::OpenedDataset;
 use crate::plumbing::open_scan::OpenedScan;
 use crate::plumbing::standard_streams::{print_detail, print_diagnostic};
 
-/// Points of a scan that are looked at.
+/// Largest number of points of a scan that are looked at.
 const ENOUGH_POINTS: usize = 300_000;
-/// Heights that are this far from what they are said to be are suspect, in metres.
+/// A seen height that differs by more than this from that of the data set is suspect, in metres.
 const SUSPECT_HEIGHT_M: f64 = 0.5;
 /// A height is taken from the scans if it differs by more than this, in metres; in the format of a benchmark, whose height
 /// is known, only if it is suspect.
 const OTHER_HEIGHT_M: f64 = 0.25;
-/// A steeper tilt is of the sensor and not of the street: it is levelled if nobody said how the sensor is mounted, and
-/// suspect otherwise, in degrees. In front of crossings and on crowned roads, sensors that stand upright see up to 2.2
-/// degrees.
+/// A steeper tilt is of the sensor and not of the street, in degrees. It is levelled unless the height or the transform of
+/// the sensor is stated, and suspect if one is. In front of crossings and on crowned roads, sensors that stand upright see
+/// up to 2.2 degrees.
 const STEEP_TILT_DEG: f64 = 4.0;
 /// The first part of the name of a sensor with unknown beams; the name of its data set follows.
 pub const UNKNOWN_SENSOR: &str = "unknown sensor of ";
-/// An origin that is lower lies on the ground, in metres.
+/// An origin that is less than this above the ground lies on it, in metres.
 const ON_GROUND_M: f64 = 0.2;
 
 /// Looks at `opened`, and prints what was seen and what is suspect. Unless the user has given other values, the run uses
@@ -79,12 +79,12 @@ fn look_at_scans(opened: OpenedDataset, config: &mut RunConfig) -> OpenedDataset
     OpenedDataset { dataset: mounting.of(opened.dataset), first_look, ..opened }
 }
 
-/// The same for all of `opened`.
+/// As [`look_first`], for all of `opened`.
 pub fn look_first_at_all(opened: Vec<OpenedDataset>, config: &mut RunConfig) -> Vec<OpenedDataset> {
     opened.into_iter().map(|it| look_first(it, config)).collect()
 }
 
-/// The same for a single scan.
+/// As [`look_first`], for a single scan without labels.
 pub fn look_at_scan(opened: &mut OpenedScan, stated: Stated, config: &mut RunConfig) {
     let clouds: Vec<&PointCloud> = match &opened.of_data_set[..] {
         [] => vec![&opened.scan.cloud],
@@ -105,14 +105,14 @@ pub fn look_at_scan(opened: &mut OpenedScan, stated: Stated, config: &mut RunCon
     mounting.move_scan(&mut opened.scan);
 }
 
-/// What `data check` reports of the first scans.
+/// The look of `data check` at the first scans.
 #[derive(Default)]
 pub struct CheckedLook {
-    /// What is suspect about frame and labels, whatever a run can take from the scans.
+    /// Reasons why frame and labels are suspect, also those that a run would mend from the scans.
     pub suspicions: Vec<FrameSuspicion>,
-    /// The look at the labels; none of simulated scans.
+    /// The look at the labels; `None` if the scans are simulated or cannot be read.
     pub labels: Option<LabelLook>,
-    /// The sensor that a run takes, and why; `None` if the user or the format says which it is.
+    /// The sensor that a run takes, and why; `None` if the user or the format states it.
     pub sensor: Option<String>,
 }
 
@@ -132,8 +132,8 @@ pub fn check_first_scans(opened: &OpenedDataset) -> CheckedLook {
     CheckedLook { suspicions: look.suspicions, labels: Some(look.labels), sensor }
 }
 
-/// Whether most labels are as a detector proposed them. What is wrong with the list of proposals does not keep anybody from
-/// running.
+/// The suspicion that most labels are as a detector proposed them, if so. A list of proposals that cannot be read does not
+/// stop a run.
 fn suspicion_of_proposals(opened: &OpenedDataset) -> Option<FrameSuspicion> {
     let list = ProposalList::in_folder(opened.dataset.description().root.as_deref()?).ok().flatten()?;
     proposed_suspicion(&first_scans(opened), &list).map(FrameSuspicion::Labels)
@@ -176,7 +176,7 @@ fn take_density(config: &mut RunConfig, [id, sensor]: [&str; 2], clouds: &[&Poin
     is_taken
 }
 
-/// As many points of `cloud` as are enough to look at: every second, or third, and so on, of larger ones.
+/// `cloud`, or of a larger one every second point, or third, and so on, so that at most `ENOUGH_POINTS` are left.
 pub fn thinned(cloud: &PointCloud) -> Cow<'_, PointCloud> {
     if cloud.len() <= ENOUGH_POINTS {
         return Cow::Borrowed(cloud);
@@ -185,14 +185,14 @@ pub fn thinned(cloud: &PointCloud) -> Cow<'_, PointCloud> {
     Cow::Owned(cloud.positions_m().step_by(step).collect())
 }
 
-/// Some scans from first to last. The run itself reports what cannot be read, and before all else unknown names of classes.
+/// Some scans from first to last; none if the name of a class is unknown. The run reports that, and scans it cannot read.
 fn first_scans(opened: &OpenedDataset) -> Vec<LabeledScan> {
     let indices = indices_looked_at(opened.dataset.scan_ids().len());
     let read: Vec<_> = indices.map(|it| opened.dataset.read_scan(it)).collect();
     if read.iter().any(|it| it.as_ref().is_err_and(DatasetError::is_usage_error)) {
         return Vec::new();
     }
-    // One without points says nothing about frame and labels.
+    // A scan without points says nothing about frame and labels.
     read.into_iter().filter_map(Result::ok).filter(|it| !it.cloud.is_empty()).collect()
 }
 
@@ -218,7 +218,7 @@ fn seen_beams(clouds: &[&PointCloud], ground: Option<&(UpAxis, SeenGround)>) -> 
     }
 }
 
-/// What has been seen so far, and what follows from it.
+/// Facts that the first scans of a data set show, and values that a run takes from them.
 struct Look {
     id: String,
     is_benchmark: bool,
@@ -271,7 +271,7 @@ impl Look {
         self.take_ground();
     }
 
-    /// The known sensor with such beams; and the density of these very scans for one that has no curve.
+    /// Takes the known sensor with such beams, and the density of these very scans for a sensor that has no curve.
     fn take_sensor(&mut self, config: &mut RunConfig, clouds: &[&PointCloud]) {
         let mut sensor = self.sensor.clone();
         if !self.stated.sensor {
@@ -295,7 +295,7 @@ impl Look {
         self.is_benchmark && !self.is_other_sensor
     }
 
-    /// The sensor that a run takes where nobody says which it is; `None` if it is that of the format.
+    /// The sensor that a run takes if none is stated; `None` if it is that of the format.
     fn unstated_sensor(&self) -> Option<String> {
         match (&self.seen.sensor, self.seen.n_beams, self.seen.elevations_deg) {
             (Some(sensor), ..) => Some(format!("{sensor} (by its beams)")),
@@ -309,7 +309,7 @@ impl Look {
         }
     }
 
-    /// Height and tilt, or what is suspect about them.
+    /// Takes height and tilt, or adds why they are suspect.
     fn take_ground(&mut self) {
         let Some((axis, ground)) = self.ground else {
             self.suspicions.push(FrameSuspicion::NoGround);
@@ -345,7 +345,7 @@ impl Look {
         }
     }
 
-    /// What is suspect about labels: they are compared with what stands on the ground.
+    /// Compares labels with what stands on the ground, and adds why they are suspect.
     fn suspect_labels(&mut self, opened: &OpenedDataset, scans: &[LabeledScan]) {
         if self.ground.is_some_and(|(axis, _)| axis == UpAxis::Z) {
             self.labels = LabelLook::of(scans, || next_scans(opened, scans));
@@ -355,7 +355,7 @@ impl Look {
             matches!(it, LabelSuspicion::Position { .. } | LabelSuspicion::Holes { .. })
         };
         let boxes = EmptyBoxes::of(scans);
-        // Where it is known why, no more is said.
+        // Known reasons for empty boxes are enough.
         let are_empty = boxes.are_most() && !suspicions.iter().any(is_known);
         self.suspicions.extend(suspicions.iter().copied().map(FrameSuspicion::Labels));
         self.suspicions.extend(are_empty.then_some(FrameSuspicion::EmptyBoxes(boxes)));
@@ -374,7 +374,7 @@ impl Look {
         (self.mounting, FirstLook { seen, label_points, suspicions, ..FirstLook::default() })
     }
 
-    /// What was seen, and which of it the run uses.
+    /// A sentence about the facts that were seen, and those of them that the run uses.
     fn sentence(&self) -> String {
         let seen = &self.seen;
         let beams = seen.elevations_deg.map_or_else(

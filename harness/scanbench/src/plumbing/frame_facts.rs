@@ -1,4 +1,4 @@
-//! What is known of the frame of a data set, and who says so.
+//! Facts about the frame of a data set, and which of them are stated.
 
 use reports::run_folder::manifest::SeenMounting;
 use reports::run_folder::seen_labels::SeenLabels;
@@ -6,7 +6,7 @@ use scans::data_check::frame_suspicion::FrameSuspicion;
 
 use crate::cli::SourceArgs;
 
-/// What the first scans of a data set show.
+/// The look at the first scans of a data set.
 #[derive(Debug, Clone, Default)]
 pub struct FirstLook {
     /// Sensor and mounting; `None` for simulated scans, unless their density was taken from them.
@@ -25,7 +25,7 @@ impl FirstLook {
         !self.labels_are_right && self.suspicions.iter().any(|it| it.is_about_labels() && it.is_doubt())
     }
 
-    /// The doubts about numbers, and those of them that the user overruled, a sentence each.
+    /// The doubts about numbers that the user did not overrule, and those that the user did, a sentence each.
     pub fn doubts(&self) -> [Vec<String>; 2] {
         let is_overruled = |it: &&FrameSuspicion| self.labels_are_right && it.is_about_labels();
         let (overruled, doubts): (Vec<_>, Vec<_>) =
@@ -34,22 +34,22 @@ impl FirstLook {
     }
 }
 
-/// Who says how the sensor is mounted.
+/// Facts about the sensor that the user, the catalogue or a data sheet states.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct Stated {
     /// Which sensor it is.
     pub sensor: bool,
     /// How high it is.
     pub height: bool,
-    /// How the frame of the files lies to the sensor.
+    /// The transform from the frame of the files to the sensor.
     pub transform: bool,
 }
 
 impl Stated {
-    /// Everything is.
+    /// All are stated.
     pub const ALL: Self = Self { sensor: true, height: true, transform: true };
 
-    /// What the options of the command line say.
+    /// Facts that the options of the command line state.
     pub fn by_options(source: &SourceArgs) -> Self {
         Self {
             sensor: source.sensor.is_some(),
@@ -59,7 +59,7 @@ impl Stated {
     }
 }
 
-/// So many scans are looked at, from first to last.
+/// Largest number of scans that are looked at, from first to last.
 const N_SCANS: usize = 5;
 
 /// Indices of the scans that are looked at, of `n` scans: always the same of a data set, whichever of them are run.

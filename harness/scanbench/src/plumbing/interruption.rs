@@ -1,7 +1,7 @@
 //! Ctrl-C, and requests to terminate.
 //!
-//! The first signal sets a flag, by which the work in hand ends in good order. Whatever does not look at the flag, or not
-//! soon enough, is ended a moment later, or by the second signal; what is unfinished on the disk is removed then.
+//! The first signal sets a flag, by which the work in hand ends in good order. Work that does not look at the flag, or not
+//! soon enough, is ended a moment later, or by the second signal; unfinished files on the disk are removed then.
 
 use std::io::{IsTerminal as _, Write as _};
 use std::sync::atomic::{AtomicBool, AtomicI32, AtomicU64, Ordering};
@@ -15,11 +15,11 @@ use crate::plumbing::failure::{Failure, Reason};
 use crate::plumbing::progress::reached;
 use crate::plumbing::standard_streams::{Verbosity, is_said};
 
-/// Work that is asked to end has this long for it, in milliseconds, unless it says otherwise.
+/// Time that work has to end after the first signal, in milliseconds; [`set_grace`] changes it.
 static GRACE_MS: AtomicU64 = AtomicU64::new(700);
-/// Last words are waited for this long: whoever should read them may have stopped reading.
+/// Longest wait for the last words: their reader may have stopped reading.
 const LONGEST_WORDS: Duration = Duration::from_millis(100);
-/// Shells report a signal as this and its number.
+/// Shells report a signal as this plus its number.
 const SIGNALLED: i32 = 128;
 const SIGINT: i32 = 2;
 
@@ -27,7 +27,7 @@ static INTERRUPTED: AtomicBool = AtomicBool::new(false);
 static SIGNAL: AtomicI32 = AtomicI32::new(SIGINT);
 static LAST_WORDS: Mutex<String> = Mutex::new(String::new());
 
-/// Set once the user asks for an end.
+/// The flag that is set once the user asks for an end.
 pub fn interruption_flag() -> &'static AtomicBool {
     &INTERRUPTED
 }
@@ -37,12 +37,12 @@ pub fn interruption_exit_code() -> u8 {
     (SIGNALLED + SIGNAL.load(Ordering::Relaxed)) as u8
 }
 
-/// From now on, work that is asked to end has so long for it. A second signal still ends it at once.
+/// From now on, work that is asked to end has `grace` for it. A second signal still ends it at once.
 pub fn set_grace(grace: Duration) {
     GRACE_MS.store(grace.as_millis() as u64, Ordering::Relaxed);
 }
 
-/// What is said on stderr if the program is ended in the middle of its work.
+/// Sets the words that stderr gets if the program is ended in the middle of its work.
 pub fn set_last_words(words: String) {
     *LAST_WORDS.lock().unwrap_or_else(PoisonError::into_inner) = words;
 }
@@ -57,7 +57,7 @@ fn watch() -> Result<(), Reason> {
     use signal_hook::consts::{SIGHUP, SIGINT, SIGTERM};
     use signal_hook::iterator::Signals;
 
-    // Whoever starts a program to outlive the terminal has it ignore the hangup.
+    // A program that shall outlive the terminal is started with the hangup ignored.
     let mut signals = Signals::new([SIGINT, SIGTERM])?;
     if !is_ignored(SIGHUP) {
         signals.add_signal(SIGHUP)?;
@@ -114,7 +114,7 @@ fn end(signal: i32) -> ! {
 
 fn say_last_words() {
     let mut stderr = std::io::stderr().lock();
-    // Not behind what a progress bar has drawn.
+    // Not on the line of a progress bar.
     let new_line = if stderr.is_terminal() { "\n" } else { "" };
     let after = reached().map(|it| format!(" after {it}")).unwrap_or_default();
     let _ = writeln!(stderr, "{new_line}error: interrupted{after}");

@@ -21,7 +21,7 @@ fn judged(opened: &[OpenedDataset]) -> Result<Option<(&DatasetDescription, u64)>
     Ok(seeds.find(|(_, seed)| judged.contains(seed)))
 }
 
-/// Refuses them for training: what learned from them could not be judged by them.
+/// Refuses these streets for training: a model that learned from them could not be judged by them.
 pub fn refuse_judged(opened: &[OpenedDataset]) -> Result<(), Failure> {
     let Some((DatasetDescription { id, .. }, seed)) = judged(opened)? else { return Ok(()) };
     let problem = format!(
@@ -30,7 +30,7 @@ pub fn refuse_judged(opened: &[OpenedDataset]) -> Result<(), Failure> {
     Err(Usage(problem).into())
 }
 
-/// Says of studies that one chooses by that these are not the streets for it.
+/// Notes that these streets are only for judging, in studies by which parameters are chosen.
 pub fn advise_on_judged(opened: &[OpenedDataset]) -> Result<(), Failure> {
     if let Some((DatasetDescription { id, .. }, seed)) = judged(opened)? {
         print_diagnostic(format_args!(

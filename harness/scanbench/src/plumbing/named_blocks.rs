@@ -1,4 +1,4 @@
-//! `--blocks`: which scans of a data set belong together, as a file says.
+//! `--blocks`: a file that says which scans of a data set belong together.
 
 use std::collections::{BTreeMap, HashMap};
 use std::path::Path;
@@ -59,8 +59,8 @@ pub fn with_named_blocks(
     }])
 }
 
-/// The block of each of `scan_ids`; those not among `scan_indices` may have none. Scans that there are not may be in the
-/// file, too.
+/// The block of each of `scan_ids`; those not among `scan_indices` may have none. The file may also name scans that do not
+/// exist.
 fn blocks_of(
     rows: &[BlockRow],
     scan_ids: &[ScanId],

@@ -1,4 +1,4 @@
-//! From the names on the command line to sets of objects, and which options say something about them.
+//! Sets of objects that the command line names, and a check of the options about them.
 
 use std::path::PathBuf;
 
@@ -21,7 +21,7 @@ pub struct ObjectOpening {
 }
 
 impl ObjectOpening {
-    /// As `source` says.
+    /// Opens objects as `source` says.
     pub fn of(source: &SourceArgs) -> Result<Self, Failure> {
         let catalogue = open_catalogue(source.catalogue.catalogue.as_deref())?;
         let options = open_options(source, &ClassTable::default())?;
@@ -36,8 +36,7 @@ impl ObjectOpening {
 }
 
 /// Refuses options that say nothing about any of the objects: those of data sets where no data set is named, those of
-/// simulated objects where none are. `judged` are the objects that parts are chosen of; `learned_from` are of the training
-/// part in any case.
+/// simulated objects where none are. `--part` is about `judged` alone: `learned_from` are of the training part in any case.
 pub fn refuse_idle_options(
     judged: &[String],
     learned_from: &[String],

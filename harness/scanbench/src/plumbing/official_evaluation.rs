@@ -1,4 +1,4 @@
-//! `--protocol`: what comes of a scan under protocols of others.
+//! `--protocol`: rows of scans under protocols of others.
 
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -19,12 +19,12 @@ pub struct OfficialEvaluation {
     format: String,
     // By protocol, the names of annotations with the classes that they count as.
     names: BTreeMap<Protocol, BTreeMap<String, String>>,
-    // Those that did not predict ground in some scan of the data set.
+    // Detectors that did not predict ground in some scan of the data set.
     without_ground: BTreeSet<&'static str>,
 }
 
 impl OfficialEvaluation {
-    /// By `protocols`; `None` if there are none.
+    /// An evaluation under `protocols`; `None` if there are none.
     pub fn of(protocols: &[Protocol]) -> Option<Self> {
         let chosen = ChosenProtocols::of(protocols)?;
         let [dataset, format] = [String::new(), String::new()];
@@ -65,8 +65,8 @@ impl OfficialEvaluation {
         Ok(rows)
     }
 
-    /// Says what names of annotations count as, where they are not those of the protocol, and which protocol evaluates none
-    /// of them; and which detectors did not predict what a protocol asks for.
+    /// Prints as which classes names of annotations count, where they are not those of the protocol. Warns of protocols that
+    /// evaluate none of them, and of detectors that did not predict what a protocol asks for.
     pub fn end_dataset(&self) {
         let of_boxes = self.protocols.iter().filter(|it| it.family() == ProtocolFamily::RankedBoxes);
         for protocol in of_boxes {
@@ -83,7 +83,7 @@ impl OfficialEvaluation {
                 .map(|(name, class)| format!("{name} as {class}"))
                 .collect();
             let line = format!("--protocol {protocol} on {id}: {}", mapped.join(", "));
-            // Its own data set has the names that it knows.
+            // Data sets in the format of the protocol have the names that it knows.
             if !mapped.is_empty() && self.format != protocol.name() {
                 print_diagnostic(line);
             } else if !mapped.is_empty() {
@@ -96,7 +96,7 @@ impl OfficialEvaluation {
     }
 }
 
-/// Adds what the annotations in `rows` are called, with the classes that they count as.
+/// Adds the names of the annotations in `rows`, with the classes that they count as.
 fn add_names(of_protocols: &mut BTreeMap<Protocol, BTreeMap<String, String>>, rows: &OfficialRows) {
     for row in rows.boxes.iter().filter(|it| it.ranked_box.kind == BoxKind::Annotation) {
         let names = of_protocols.entry(row.protocol).or_default();
@@ -106,7 +106,7 @@ fn add_names(of_protocols: &mut BTreeMap<Protocol, BTreeMap<String, String>>, ro
     }
 }
 
-/// That a detector has no numbers of ground.
+/// The warning that a detector has no numbers of ground.
 pub fn warning_of_no_ground(detector: &str) -> String {
     format!(
         "warning: {detector:?} does not predict which points are ground: it has no numbers under the protocol ground"

@@ -1,4 +1,4 @@
-//! From the names on the command line to data sets and the scans taken from them.
+//! Data sets that the command line names, and the scans taken from them.
 
 use std::cell::RefCell;
 use std::ops::Range;
@@ -39,17 +39,17 @@ pub struct OpenedDataset {
     pub scan_indices: Vec<usize>,
     /// Which of these are run, as indices among them: all, or those of a shard.
     pub part: Range<usize>,
-    /// What was left out because it is damaged: when it was opened, and later.
+    /// Scans and files that were left out because they are damaged, when it was opened and later.
     pub skipped: RefCell<Vec<SkippedScan>>,
     /// Points without a position in the scans that have been read.
     pub points_left_out: PointsLeftOut,
-    /// What the user said names of classes in its labels stand for.
+    /// Classes that the user gave to names in its labels.
     pub classes: ClassTable,
     /// SHA-256 of the file that names blocks of its scans, if the user gave one.
     pub blocks_checksum: Option<String>,
-    /// Who says how its sensor is mounted.
+    /// Facts about its sensor that are stated.
     pub stated: Stated,
-    /// What its first scans show, once they have been looked at.
+    /// The look at its first scans, once it was taken.
     pub first_look: FirstLook,
 }
 
@@ -75,7 +75,7 @@ impl OpenedDataset {
         }
     }
 
-    /// What becomes of scan `id`, which cannot be read: the error, or a note and a warning if damage is to be skipped.
+    /// Returns `error`, by which scan `id` cannot be read; or notes it with a warning if damage is to be skipped.
     pub fn on_damage(
         &self,
         policy: DamagePolicy,
@@ -91,7 +91,7 @@ impl OpenedDataset {
         Ok(())
     }
 
-    /// What `look` sees in the scans, with a bar over them. It ends once `interrupted` is set. Warns of points that were
+    /// Result of `look` on the scans, with a bar over them. It ends once `interrupted` is set. Warns of points that were
     /// left out.
     pub fn look<T>(
         &self,
@@ -103,7 +103,7 @@ impl OpenedDataset {
         Ok(seen)
     }
 
-    /// The same, of scans about which all has been said before.
+    /// As [`Self::look`], but without the warning: for scans about which all has been said before.
     pub fn look_unsaid<T>(
         &self,
         interrupted: &AtomicBool,
@@ -117,7 +117,7 @@ impl OpenedDataset {
         Ok(seen)
     }
 
-    /// Says how many points without a position the scans had that have been read, and how many scans had no others.
+    /// Warns of points without a position in the scans that have been read, and of scans that have no points.
     pub fn warn_of_points_left_out(&self) {
         if let Some((n_points, n_scans, first)) = self.points_left_out.sum() {
             print_diagnostic(format_args!(
@@ -166,7 +166,7 @@ impl OpenedDataset {
 pub fn open_catalogue(path: Option<&Path>) -> Result<Catalogue, Failure> {
     let Some(path) = path else { return Ok(built_in_catalogue()?) };
     read_catalogue(path).map_err(|error| {
-        // Where data are missing this would be another exit code, but a catalogue is none.
+        // Missing data have another exit code, but a catalogue is no data.
         if error.is_usage_error() {
             error.into()
         } else {
@@ -175,13 +175,13 @@ pub fn open_catalogue(path: Option<&Path>) -> Result<Catalogue, Failure> {
     })
 }
 
-/// Opens all data sets before anything is run, so that a misspelled last one costs nothing. `of_config` is what the
-/// configuration says about names of classes.
+/// Opens all data sets before anything is run, so that a misspelled last one costs nothing. `of_config` are the names of
+/// classes in the configuration.
 pub fn open_datasets(arguments: &DatasetArgs, of_config: &ClassTable) -> Result<Vec<OpenedDataset>, Failure> {
     open_datasets_past_damage(arguments, DamagePolicy::Refuse, of_config)
 }
 
-/// As [`open_datasets`], but what is damaged is treated by this policy.
+/// As [`open_datasets`], but with a policy for damaged data.
 pub fn open_datasets_past_damage(
     arguments: &DatasetArgs,
     damage: DamagePolicy,
@@ -228,11 +228,11 @@ pub fn open_datasets_past_damage(
             first_look: FirstLook::default(),
         });
     }
-    // What was simulated and written to disk is what it is.
+    // Simulated data that are on the disk do not change.
     if opened.iter().all(|it| it.dataset.description().root.is_some()) {
         refuse_simulation(&arguments.source)?;
     }
-    // And what is simulated on the fly has no frame of files.
+    // Data that are simulated on the fly have no frame of files.
     if opened.iter().all(|it| it.dataset.description().root.is_none()) && arguments.source.transform.is_some()
     {
         return Err(Usage("--transform is only for recorded data sets, and none is given".to_owned()).into());
@@ -241,7 +241,7 @@ pub fn open_datasets_past_damage(
     Ok(opened)
 }
 
-/// Of files that name their columns nothing else can be said.
+/// Refuses `--columns` if no data set has files without names of columns.
 fn refuse_idle_columns(opened: &[OpenedDataset], source: &SourceArgs) -> Result<(), Failure> {
     if source.columns.is_none() {
         return Ok(());
@@ -254,7 +254,7 @@ fn refuse_idle_columns(opened: &[OpenedDataset], source: &SourceArgs) -> Result<
     Err(Usage("--columns is for .bin and .npy files, and no data set has any".to_owned()).into())
 }
 
-/// What was left out when `dataset` was opened; says so.
+/// Scans and files that were left out when `dataset` was opened, with a warning for each.
 fn skipped_when_opened(dataset: &dyn Dataset) -> Vec<SkippedScan> {
     let id = &dataset.description().id;
     let mut skipped = Vec::new();
@@ -275,7 +275,7 @@ fn print_dataset(description: &DatasetDescription, n_taken: usize, n_scans: usiz
     print_detail(format_args!("{id}: {n_taken} of {n_scans} scans, sensor {sensor}, {root}"));
 }
 
-/// Who says how the sensor of the data set `name` is mounted: options, the catalogue, or a data sheet beside the scans.
+/// Facts about the sensor of the data set `name` that options, the catalogue, or a data sheet beside the scans state.
 pub fn stated(
     name: &str,
     catalogue: &Catalogue,
@@ -311,7 +311,7 @@ pub fn open_options(source: &SourceArgs, of_config: &ClassTable) -> Result<OpenO
     })
 }
 
-/// For where nothing is simulated.
+/// Refuses options of the simulator, for where nothing is simulated.
 pub fn refuse_simulation(source: &SourceArgs) -> Result<(), Failure> {
     let for_simulated =
         [("--seed", source.seed.is_some()), ("--simulated-scans", source.simulated_scans.is_some())];

@@ -15,7 +15,7 @@ pub fn open_run(directory: &Path) -> Result<RunArchive, Failure> {
     RunArchive::read(directory).map_err(|error| Failure::damaged_run(directory, error))
 }
 
-/// Says what `directory` is if it is not that of a whole run.
+/// Refuses a `directory` that is not that of a whole run, and says what it is.
 pub fn refuse_other_than_run(directory: &Path) -> Result<(), Failure> {
     let name = directory.display();
     if !directory.is_dir() {
@@ -28,9 +28,9 @@ pub fn refuse_other_than_run(directory: &Path) -> Result<(), Failure> {
     Ok(())
 }
 
-/// A shard has no numbers of its own.
+/// Refuses the directory of a shard, which has no numbers of its own.
 pub fn refuse_shard(directory: &Path) -> Result<(), Failure> {
-    // Whoever reads the rest says what is wrong with it.
+    // A manifest that cannot be read is reported when the run is read.
     let Some(ShardRecord { index, count, study, .. }) = finished_shard(directory) else { return Ok(()) };
     let (name, whole) = (directory.display(), study.name());
     let words =

@@ -1,4 +1,4 @@
-//! From the command line to a single scan.
+//! The single scan that the command line names.
 
 use std::path::Path;
 
@@ -23,20 +23,20 @@ use crate::plumbing::remote::local_name;
 
 /// A scan without ground truth.
 pub struct OpenedScan {
-    /// What it is called on screens, with a word about whether it is simulated.
+    /// Its name on screens, with a word about whether it is simulated.
     pub name: String,
-    /// It, without annotations.
+    /// The scan, without annotations.
     pub scan: LabeledScan,
     /// The data set that it is of, or that its file would make; with the height of the sensor as far as the files say.
     pub description: DatasetDescription,
-    /// Who says how its sensor is mounted.
+    /// Facts about its sensor that are stated.
     pub stated: Stated,
-    /// The scans of its data set that are looked at first; none of a file, nor of a simulated sensor that has a curve.
+    /// Points of the first scans of its data set; none for a file, nor for a simulated sensor that has a curve.
     pub of_data_set: Vec<PointCloud>,
 }
 
-/// Opens the scan in the file `input`, or scan `id` of the data set `input`; `of_config` is what the configuration says
-/// about names of classes.
+/// Opens the scan in the file `input`, or scan `id` of the data set `input`; `of_config` are the names of classes in the
+/// configuration.
 pub fn open_scan(
     input: &str,
     id: Option<&str>,

@@ -81,7 +81,7 @@ impl OpenedResults {
         entry
     }
 
-    /// Takes those of `detector` for the data set called `id`, if it left some.
+    /// Takes the results of `detector` for the data set called `id`, if it left some.
     pub fn take(&self, detector: &'static str, id: &str) -> Option<ForeignResults> {
         self.results.borrow_mut().remove(&(detector, id.to_owned()))
     }

@@ -38,18 +38,18 @@ fn set_current(bar: &ProgressBar, counted: &'static str) {
     *CURRENT.lock().unwrap_or_else(PoisonError::into_inner) = Some((bar.clone(), counted));
 }
 
-/// The look of a bar, where `{pace}` is how many a second and how long it will take, once something is done.
+/// Style of a bar; `{pace}` in `template` is results per second and time left, once something is done.
 fn style_of(template: &str) -> ProgressStyle {
     let style = ProgressStyle::with_template(template).expect("the template is constant and tested by use");
     style.with_key("pace", |state: &ProgressState, text: &mut dyn std::fmt::Write| {
         if state.per_sec() > 0.0 {
-            // A bar that cannot be written to has nobody who reads it.
+            // A bar that cannot be written to has no reader.
             let _ = write!(text, ", {:.1}/s, {:#} left", state.per_sec(), HumanDuration(state.eta()));
         }
     })
 }
 
-/// The same over `n_results` results of any kind, of which `n_done` were there before; `label` says what is done.
+/// As [`progress_over_scans`], over `n_results` results of any kind, of which `n_done` are done; `label` names the work.
 pub fn progress_over_results(n_results: usize, n_done: usize, label: &str) -> ProgressBar {
     let bar = progress_over_scans(n_results, label);
     bar.set_style(style_of("{msg} {wide_bar} {pos}/{len}{pace}"));
@@ -59,7 +59,7 @@ pub fn progress_over_results(n_results: usize, n_done: usize, label: &str) -> Pr
     bar
 }
 
-/// The bar of a run over one data set after the other, which everybody who writes to the terminal shares.
+/// The bar of a run over one data set after the other, shared by all code that writes to the terminal.
 #[derive(Debug, Clone)]
 pub struct RunProgress(ProgressBar);
 
@@ -86,7 +86,7 @@ impl RunProgress {
         self.0.finish_and_clear();
     }
 
-    /// Does what writes to the terminal without the bar in its way.
+    /// Does `work`, which writes to the terminal, without the bar in its way.
     pub fn suspend<T>(&self, work: impl FnOnce() -> T) -> T {
         self.0.suspend(work)
     }

@@ -69,12 +69,12 @@ pub fn utc_day(time: Timestamp) -> String {
     time.strftime("%Y-%m-%d").to_string()
 }
 
-/// The same for the name of a file.
+/// A time in UTC to the second, for the name of a file.
 pub fn compact_utc(time: Timestamp) -> String {
     time.strftime("%Y%m%dT%H%M%SZ").to_string()
 }
 
-/// What was compared, and by what.
+/// The manifest of a comparison: the runs and detectors compared, and the program that compared them.
 pub fn comparison_facts(arguments: &CompareArgs) -> serde_json::Value {
     serde_json::json!({
         "scanbench_version": env!("CARGO_PKG_VERSION"),

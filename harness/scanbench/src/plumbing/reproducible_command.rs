@@ -2,8 +2,8 @@
 
 use crate::cli::DatasetArgs;
 
-/// The command line of `verb` without what says where to write, so that the file is the same wherever it is written.
-/// `options` are those that only this verb has; those without a value are left out, and an empty value is that of a flag.
+/// The command line of `verb` without its output options, so that the file is the same wherever it is written.
+/// `options` are those that only this verb has; those without a value are left out, and the value of a flag is empty.
 pub fn reproducible_command(
     verb: &str,
     arguments: &DatasetArgs,

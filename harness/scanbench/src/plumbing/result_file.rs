@@ -12,14 +12,14 @@ use crate::plumbing::standard_streams::print_bytes;
 /// Where a result goes.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum Destination {
-    /// To whoever reads stdout; `-` on the command line.
+    /// Stdout; `-` on the command line.
     Stdout,
-    /// To a file.
+    /// A file.
     File(PathBuf),
 }
 
 impl Destination {
-    /// The path that the command line calls `written`.
+    /// The destination that the command line calls `written`: `-`, or a path with one of `extensions`.
     pub fn new(written: &Path, extensions: &[&str]) -> Result<Self, Usage> {
         if written == Path::new("-") {
             return Ok(Self::Stdout);
@@ -33,7 +33,7 @@ impl Destination {
         Err(Usage(format!("{name:?} must end in {}, or be -", endings.join(" or "))))
     }
 
-    /// Fails if nothing can be written there: before the work, and not after it.
+    /// Fails before the work, and not after it, if nothing can be written there.
     pub fn check(&self) -> Result<(), ArchiveError> {
         let Self::File(path) = self else { return Ok(()) };
         if path.is_dir() {

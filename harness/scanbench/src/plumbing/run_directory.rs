@@ -1,4 +1,4 @@
-//! Where a verb leaves its files.
+//! The directory that a verb writes its files into.
 
 use std::path::Path;
 
@@ -21,7 +21,7 @@ pub fn claim_named(arguments: &OutputArgs) -> Result<Option<ClaimedTarget>, Fail
 }
 
 /// The directory that was `named`, or else `unnamed` in `runs/`, to which `latest` may point. It gets a number if one of
-/// that name exists, or if somebody else is writing it.
+/// that name exists, or if another program is writing it.
 pub fn claim_unnamed(
     named: Option<ClaimedTarget>,
     unnamed: &str,
@@ -30,7 +30,7 @@ pub fn claim_unnamed(
     named.map_or_else(|| ClaimedTarget::claim_unused(Path::new("runs"), unnamed, latest), Ok)
 }
 
-/// Begins the directory that `arguments` name, or else `unnamed`, as [`claim_unnamed`] has it.
+/// Begins the directory that `arguments` name, or else `unnamed`, as [`claim_unnamed`] does.
 pub fn begin_run_directory(
     arguments: &OutputArgs,
     unnamed: &str,

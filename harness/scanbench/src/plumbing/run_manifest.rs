@@ -1,4 +1,4 @@
-//! What `manifest.json` says of a run.
+//! The `manifest.json` of a run.
 
 use std::collections::BTreeMap;
 use std::num::NonZeroUsize;
@@ -26,7 +26,7 @@ use crate::plumbing::open_datasets::OpenedDataset;
 use crate::plumbing::provenance::{command_line, git_state, machine, rfc3339_utc, rustc_version};
 use crate::plumbing::recorder::rerun_version;
 
-/// What was run, and how.
+/// Settings of a run.
 pub struct RunSettings<'a> {
     /// Which scans of the data sets were chosen, as the command line writes it; `None` for all.
     pub selection: Option<&'a str>,
@@ -36,7 +36,7 @@ pub struct RunSettings<'a> {
     pub n_repeats: NonZeroUsize,
     /// The parameters.
     pub config: &'a RunConfig,
-    /// What took part, in the order of the tables.
+    /// Entries of the detectors, in the order of the tables.
     pub detectors: Vec<DetectorEntry>,
     /// The data sets.
     pub datasets: &'a [OpenedDataset],
@@ -46,7 +46,7 @@ pub struct RunSettings<'a> {
     pub started: Timestamp,
 }
 
-/// Everything that decides the numbers of a run.
+/// The manifest of a run: everything that decides its numbers.
 pub fn run_manifest(settings: RunSettings<'_>) -> Manifest {
     let matching = &settings.config.matching;
     Manifest {
@@ -79,12 +79,12 @@ pub fn run_manifest(settings: RunSettings<'_>) -> Manifest {
     }
 }
 
-/// What a manifest says of `detectors` with the parameters of `config`.
+/// Entries of `detectors` in a manifest, with the parameters of `config`.
 pub fn detector_entries(detectors: &[ChosenDetector], config: &RunConfig) -> Vec<DetectorEntry> {
     detectors.iter().map(|it| detector_entry(&ComparedDetector::of(it.clone(), config))).collect()
 }
 
-/// What a manifest says of one who takes part.
+/// Entry of a detector in a manifest.
 pub fn detector_entry(compared_detector: &ComparedDetector) -> DetectorEntry {
     let ComparedDetector { name, chosen, config } = compared_detector;
     let listed = match chosen {
@@ -103,7 +103,7 @@ pub fn detector_entry(compared_detector: &ComparedDetector) -> DetectorEntry {
     DetectorEntry { name, parameters, rules, vehicles, models, doubts: Vec::new(), foreign: None }
 }
 
-/// The models of `chosen` that did not come with the program.
+/// Checksums of the models of `chosen` that did not come with the program, by the names of their files.
 fn models(chosen: &ChosenDetector, config: &RunConfig) -> BTreeMap<String, String> {
     let boxes = chosen.has_whole_boxes(config).then_some(TrainedModel::Boxes);
     let of_model = |model: TrainedModel| {
@@ -135,7 +135,7 @@ fn foreign_entry(name: &str, foreign: &ForeignDetector, config: &RunConfig) -> D
         }
     };
     let chosen = ChosenDetector::Foreign(foreign.clone());
-    // What our model does with objects of others; what their program does is its own.
+    // The rule of our model for objects of others; what their program does is its own.
     let has_bounds = chosen.vehicle_model(config).is_some() && config.hierarchical.vehicle_bounds.enabled;
     DetectorEntry {
         name: name.to_owned(),
@@ -152,7 +152,7 @@ fn json(resolved: &toml::Table) -> serde_json::Value {
     serde_json::to_value(resolved).expect("a configuration has text keys only")
 }
 
-/// When a detection matches an annotation.
+/// Words for when a detection matches an annotation.
 pub fn criterion_in_words(criterion: Criterion) -> String {
     match criterion {
         Criterion::Points { min_iou } => format!("points, IoU at least {min_iou}"),
@@ -191,7 +191,7 @@ pub fn refuse_other_scans(
     Ok(())
 }
 
-/// What a manifest says of a data set of which the scans of `selection` were chosen, or all.
+/// Entry of a data set in a manifest; `selection` are the scans that were chosen, `None` for all.
 pub fn dataset_entry(opened: &OpenedDataset, selection: Option<&str>) -> DatasetEntry {
     let description = opened.dataset.description();
     let [doubts, overruled_doubts] = opened.first_look.doubts();
@@ -223,7 +223,7 @@ pub fn dataset_entry(opened: &OpenedDataset, selection: Option<&str>) -> Dataset
     }
 }
 
-/// The blocks or drives that scans are of, where they are others than their sequences, each with its scans.
+/// Blocks or drives of the scans where they are not their sequences, each with its scans.
 pub fn blocks(opened: &OpenedDataset) -> BTreeMap<String, Vec<String>> {
     let mut blocks: BTreeMap<String, Vec<String>> = BTreeMap::new();
     for &scan_idx in &opened.scan_indices {

@@ -7,15 +7,15 @@ use evaluation::run::sink::JudgedScan;
 use reports::rows::agreement_row::AgreementRow;
 use reports::vocabulary::task::Task;
 
-/// How far detectors agree on a scan: for each task each detector with each other one, in their order; one that is alone
-/// with itself.
+/// How far detectors agree on a scan: for each task a row for each detector with each other one, in their order. A detector
+/// that is alone has a row with itself.
 pub fn agreement_of(judged: &JudgedScan<'_>) -> Vec<AgreementRow> {
     let n_detectors = judged.results.results.len();
     let all = Task::ALL.into_iter().flat_map(|task| (0..n_detectors).map(move |idx| (task, idx)));
     all.flat_map(|(task, idx)| rows_of(judged, task, idx)).collect()
 }
 
-/// The detector at an index beside each other one.
+/// Rows of the detector at `idx` with each other one.
 fn rows_of(judged: &JudgedScan<'_>, task: Task, idx: usize) -> Vec<AgreementRow> {
     let results = judged.results.results;
     let n_points = judged.results.scan.cloud.len();

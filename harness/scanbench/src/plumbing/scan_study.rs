@@ -1,4 +1,4 @@
-//! Studies of what some detectors make of some scans, each looked at once.
+//! Studies of detectors on scans, each of which is looked at once.
 
 use std::cell::RefCell;
 use std::num::NonZeroUsize;
@@ -27,11 +27,11 @@ use crate::plumbing::shards::work_output::WorkOutput;
 use crate::plumbing::standard_streams::print_result_in;
 use crate::plumbing::watched_run::WatchedRun;
 
-/// Who looks at which scans.
+/// Detectors, and the scans that they look at.
 pub struct ScanStudy<'a> {
     /// Parameters of detectors and matching.
     pub config: RunConfig,
-    /// Who takes part.
+    /// The detectors.
     pub compared_detectors: Vec<ComparedDetector>,
     /// The data sets.
     pub datasets: Vec<OpenedDataset>,
@@ -43,20 +43,20 @@ pub struct ScanStudy<'a> {
     pub n_jobs: usize,
     /// When it was begun.
     pub started: Timestamp,
-    /// What was put up for it, if anything.
-    pub put_up: Option<PutUp>,
-    /// What is recorded of it, and which figures are views of their own; nothing if `None`.
+    /// Scenes that were put up for it, if any.
+    pub staged: Option<StagedScenes>,
+    /// Arguments of its recording, and the figures that are views of their own; `None` if nothing is recorded.
     pub recorded: Option<(StreamArgs, &'static [FigureView])>,
-    /// What looks at clusters, of which no row speaks.
+    /// Tally of pairs, which looks at clusters: no row has these.
     pub pairs: Option<&'a RefCell<PairTally<'a>>>,
 }
 
-/// Writes the files that only a study has into the directory of a run, and returns what is printed.
+/// Writes the files that only a study has into the directory of a run, and returns the text to print.
 pub type WriteStudy = fn(&RunDirectory, &WholeRun) -> Result<Printed, Failure>;
 
-/// What is printed of a study.
+/// Text of a study that is printed.
 pub struct Printed {
-    /// What its files are, such as `Tables`.
+    /// Kind of its files, such as `Tables`.
     pub files: &'static str,
     /// The result.
     pub text: String,
@@ -77,17 +77,17 @@ pub fn make_study(study: &mut ScanStudy<'_>, output: WorkOutput, write: WriteStu
 }
 
 /// Scenes that were put up for a study.
-pub struct PutUp {
-    /// What is drawn, such as `streets`.
+pub struct StagedScenes {
+    /// Kind of the scenes, such as `streets`.
     pub drawn: &'static str,
-    /// From which seed.
+    /// Seed that they are drawn from.
     pub seed: u64,
-    /// What there is.
+    /// The scenes.
     pub scenes: Value,
 }
 
 impl ScanStudy<'_> {
-    /// One over simulated scans that are still to be put up, of the detectors that `arguments` name, or else of `detectors`.
+    /// A study of simulated scans that are still to be put up, by the detectors that `arguments` name, or else `detectors`.
     pub fn of_simulated_scans(
         arguments: &ExperimentArgs,
         detectors: &[&str],
@@ -104,13 +104,13 @@ impl ScanStudy<'_> {
             n_warmup: 1,
             n_jobs: std::thread::available_parallelism().map_or(1, NonZeroUsize::get),
             started,
-            put_up: None,
+            staged: None,
             recorded: None,
             pairs: None,
         })
     }
 
-    /// The one that takes part as `name`.
+    /// The detector called `name`.
     pub fn compared_detector(&self, name: &str) -> Option<&ComparedDetector> {
         self.compared_detectors.iter().find(|it| it.name == name)
     }
@@ -136,7 +136,7 @@ impl WatchedStudy for ScanStudy<'_> {
             protocols: &[],
             started: self.started,
         });
-        if let Some(PutUp { drawn, seed, scenes }) = &self.put_up {
+        if let Some(StagedScenes { drawn, seed, scenes }) = &self.staged {
             manifest.seeds.insert((*drawn).to_owned(), *seed);
             manifest.experiment = Some(scenes.clone());
         }

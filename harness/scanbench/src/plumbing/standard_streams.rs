@@ -1,4 +1,4 @@
-//! What the program says: results on stdout, everything else on stderr.
+//! Output of the program: results on stdout, everything else on stderr.
 //!
 //! The macros of the standard library panic when a stream is closed, which is what `| head` does.
 
@@ -19,9 +19,9 @@ use reports::tables::formats::terminal::Terminal;
 pub enum Verbosity {
     /// Errors.
     Quiet,
-    /// Progress, warnings and where results are, too.
+    /// Also progress, warnings and where results are.
     Usual,
-    /// And what is done, scan by scan.
+    /// Also what is done, scan by scan.
     Verbose,
 }
 
@@ -33,12 +33,12 @@ pub fn set_verbosity(verbosity: Verbosity) {
     VERBOSITY.get_or_init(|| verbosity);
 }
 
-/// Whether as much is said as `least` or more.
+/// Whether the program says as much as `least`, or more.
 pub fn is_said(least: Verbosity) -> bool {
     *VERBOSITY.get().unwrap_or(&Verbosity::Usual) >= least
 }
 
-/// Columns of results where nobody looks at them on a terminal.
+/// Columns of results that are not printed on a terminal.
 const USUAL_WIDTH: usize = 100;
 
 /// Columns that tables have: `COLUMNS` if that is set, else those of the terminal on stdout, else a hundred.
@@ -61,15 +61,15 @@ pub fn print_result(result: impl Display) -> Result<(), Failure> {
     print_text(&format!("{result}\n"))
 }
 
-/// Prints a text that ends as it should. What files of others say in it is shown, and not obeyed by the terminal.
+/// Prints a text with its line end. Control characters from files of others are shown, and not obeyed by the terminal.
 pub fn print_text(text: &str) -> Result<(), Failure> {
-    // Tables have no length that nobody reads.
+    // Results are read in full: long tables are not cut.
     print_bytes(printable_lines(text).as_bytes())
 }
 
-/// Prints what a verb came to, and then where its files are, which are `what`; of a quiet program that is the only result.
+/// Prints the result of a verb, and then the path of its files, which are `what`. A quiet program prints the path alone.
 ///
-/// Where nobody takes the result, the files are there, too.
+/// If the result cannot be printed, the path is: the files are there.
 pub fn print_result_in(what: &str, directory: &Path, result: impl Display) -> Result<(), Failure> {
     if !is_said(Verbosity::Usual) {
         return print_result(directory.display());
@@ -86,7 +86,7 @@ pub fn print_result_in(what: &str, directory: &Path, result: impl Display) -> Re
     printed
 }
 
-/// Prints a result that ends as it should, such as the content of a file.
+/// Prints a result with its line end, such as the content of a file.
 pub fn print_bytes(result: &[u8]) -> Result<(), Failure> {
     if stdout_was_closed() {
         return Err(Failure::unwritten("cannot write to stdout", std::io::Error::other("it is closed")));
@@ -100,7 +100,7 @@ pub fn print_bytes(result: &[u8]) -> Result<(), Failure> {
     }
 }
 
-/// Prints why the program fails. Where nobody listens, it is lost.
+/// Prints why the program fails. It is lost if stderr is closed.
 pub fn print_error(line: impl Display) {
     let _ = writeln!(std::io::stderr().lock(), "{}", shown_lines(&line.to_string()));
 }

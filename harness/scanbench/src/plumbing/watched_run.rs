@@ -16,15 +16,15 @@ use crate::plumbing::opened_results::OpenedResults;
 use crate::plumbing::progress::RunProgress;
 use crate::plumbing::standard_streams::print_diagnostic;
 
-/// Who runs on what, and how.
+/// Detectors, the data sets that they run on, and how.
 pub struct WatchedRun<'a> {
-    /// Who takes part; all are judged in the same way.
+    /// The detectors; all are judged in the same way.
     pub compared_detectors: &'a [ComparedDetector],
-    /// What those found that do not run here.
+    /// Results of detectors that do not run here.
     pub results: Option<&'a OpenedResults>,
     /// The data sets.
     pub datasets: &'a [OpenedDataset],
-    /// What becomes of damaged scans.
+    /// Policy for damaged scans.
     pub damage: DamagePolicy,
     /// Detections of the first scan of a data set that are thrown away.
     pub n_warmup: u16,
@@ -32,14 +32,14 @@ pub struct WatchedRun<'a> {
     pub n_repeats: NonZeroUsize,
     /// Scans that are read at once.
     pub n_jobs: usize,
-    /// What becomes of the run where a detector fails.
+    /// Rule for a detector that fails.
     pub on_failure: OnDetectorFailure,
     /// How far it is.
     pub progress: &'a RunProgress,
 }
 
 impl<'a> WatchedRun<'a> {
-    /// That of a study: `compared_detectors` that run here look once at each scan, and nothing may fail.
+    /// The run of a study: `compared_detectors` run here, look once at each scan, and none may fail.
     pub fn of_study(
         compared_detectors: &'a [ComparedDetector],
         datasets: &'a [OpenedDataset],
@@ -68,7 +68,7 @@ impl<'a> WatchedRun<'a> {
             n_before += opened.scan_indices.len();
             match result {
                 Ok(()) => {}
-                // What others and earlier scans made is not lost.
+                // Results of other detectors and of earlier scans are not lost.
                 Err(failure @ Failure::Detector(_)) => {
                     sinks.into_iter().try_for_each(RunSink::finish)?;
                     return Err(failure);

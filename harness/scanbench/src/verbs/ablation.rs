@@ -83,7 +83,7 @@ pub fn ablation(arguments: &AblationArgs) -> Result<(), Failure> {
     make_study(&mut open_ablation(arguments, output.started)?, output, write_ablation)
 }
 
-/// Who takes part, and on which scans.
+/// Opens the variants of the method, and the scans that they run on.
 pub fn open_ablation(arguments: &AblationArgs, started: Timestamp) -> Result<ScanStudy<'_>, Failure> {
     let (listed, mut config) = built_in_methods(&arguments.config, &[METHOD.to_owned()])?;
     choose_criterion(&mut config, &arguments.matching);
@@ -101,7 +101,7 @@ pub fn open_ablation(arguments: &AblationArgs, started: Timestamp) -> Result<Sca
         n_warmup: arguments.timing.warmup,
         n_jobs: arguments.timing.n_jobs(),
         started,
-        put_up: None,
+        staged: None,
         recorded: None,
         pairs: None,
     })

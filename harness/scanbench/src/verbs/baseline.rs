@@ -23,7 +23,7 @@ use crate::plumbing::standard_streams::{print_diagnostic, print_result, print_te
 use crate::verbs::gate::tolerances;
 use crate::verbs::gate_workflow::{GATE_WORKFLOW, gate_workflow};
 
-/// Writes what it takes to hold later runs to a run: the run itself, tolerances of all its numbers, and a workflow.
+/// Writes the baseline that later runs are held to: the run itself, tolerances of all its numbers, and a workflow.
 pub fn baseline_init(arguments: &BaselineInitArgs) -> Result<(), Failure> {
     let folder = &arguments.output;
     for name in [ACCEPTED_RUN, SCORES_MD, TOLERANCES_TOML, GATE_WORKFLOW] {
@@ -43,14 +43,14 @@ pub fn baseline_init(arguments: &BaselineInitArgs) -> Result<(), Failure> {
     print_result(format!("{}\n{}", next_steps(folder, &arguments.run), losses.collect::<String>()).trim_end())
 }
 
-/// What comes of `run`, which lies in `path`, beside what was accepted before in the baseline `directory`; `None` if there is
-/// nothing that it can be compared with.
+/// Verdict on `run`, which lies in `path`, against the accepted run in the baseline `directory`; `None` if there is nothing
+/// that it can be compared with.
 fn judged_by(directory: &Path, run: &RunArchive, path: &Path) -> Result<Option<Judged>, Failure> {
     let Ok(before) = RunArchive::read(&directory.join(ACCEPTED_RUN)) else { return Ok(None) };
     let tolerances = tolerances(directory, None, &before)?;
     let verdict = match judge(&before, run, &tolerances) {
         Ok(verdict) => verdict,
-        // Whether it may follow all the same is asked by whoever accepts it.
+        // Whether it may follow all the same is decided when it is accepted.
         Err(JudgeError::NotComparable(_)) => return Ok(None),
         Err(error) => return Err(error.into()),
     };
@@ -59,7 +59,7 @@ fn judged_by(directory: &Path, run: &RunArchive, path: &Path) -> Result<Option<J
     Ok(Some(Judged { text: terminal().text(&brief), n_worse: verdict.n_worse() }))
 }
 
-/// A verdict on what is to be accepted.
+/// A verdict on a run that is to be accepted.
 struct Judged {
     text: String,
     n_worse: usize,

@@ -69,7 +69,7 @@ picture of these points for simulated data and each recorded data set; manifest.
 
 /// Fewer vehicles of a class than this make no picture of their points.
 const FEWEST_SHOWN: usize = 10;
-/// What has to be said of the numbers.
+/// Notes of the tables.
 const NOTES: [&str; 2] = [
     "centre, length, width, yaw: medians of absolute errors; the others are shares. pairs: clusters of the \
      hierarchical detector that match an annotated car, van, truck or bus; all boxes are fitted to the same points. \
@@ -80,7 +80,7 @@ const NOTES: [&str; 2] = [
      points is therefore shorter or narrower, even if it is right.",
 ];
 
-/// Fits boxes of two kinds to the same matched clusters, and writes and prints how far they are from annotated ones.
+/// Fits boxes in several ways to the same matched clusters, and writes and prints how far they are from annotated ones.
 pub fn boxes(arguments: &BoxesArgs) -> Result<(), Failure> {
     let interrupted = interruption_flag();
     let started = Timestamp::now();
@@ -131,7 +131,7 @@ pub fn boxes(arguments: &BoxesArgs) -> Result<(), Failure> {
 struct Group<'a> {
     name: String,
     is_simulated: bool,
-    /// With the ids of their data sets.
+    /// Pairs with the ids of their data sets.
     pairs: Vec<(&'a str, BoxPair)>,
 }
 

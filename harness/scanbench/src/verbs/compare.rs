@@ -22,7 +22,7 @@ use reports::plots::study_plots::comparison_plot;
 use reports::run_folder::run_directory::RunDirectory;
 use reports::run_folder::run_target::MANIFEST_JSON;
 
-/// Prints what lies between two runs, or two detectors of one run, and writes it where that is asked for.
+/// Prints the differences between two runs, or two detectors of one run, and writes them if that is asked for.
 pub fn compare(arguments: &CompareArgs) -> Result<(), Failure> {
     let output = OutputArgs { output: arguments.output.clone(), overwrite: arguments.overwrite };
     let directory = claim_named(&output)?;

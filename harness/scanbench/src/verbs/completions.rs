@@ -12,7 +12,7 @@ use crate::plumbing::failure::Failure;
 use crate::plumbing::standard_streams::print_result;
 use crate::verbs::Cli;
 
-/// What a data set is called in help.
+/// Name of a data set in help.
 const DATASET: &str = "DATASET";
 
 /// Prints the script for `shell`.
@@ -35,21 +35,21 @@ pub fn completions(shell: Shell) -> Result<(), Failure> {
             script =
                 script.replace(&format!(":({datasets})"), &format!(":{{_files; compadd -- {datasets}}}"));
         }
-        // It completes no positional arguments by itself.
+        // The script for fish completes no positional arguments by itself.
         Shell::Fish => add_datasets(&mut script, &command, &mut Vec::new(), &datasets),
         _ => {}
     }
     print_result(script.trim_end())
 }
 
-/// What is completed beside verbs and options. Other values are valid, too.
+/// Names that are completed beside verbs and options. Other values are valid, too.
 struct Names {
     detectors: Vec<&'static str>,
     datasets: Vec<&'static str>,
 }
 
 impl Names {
-    /// The same command with the names as values, for a script alone.
+    /// `command` with the names as values, for a script alone.
     fn known_to(&self, command: Command) -> Command {
         let of_argument = |it: &Arg| match it.get_short() {
             Some('d') => Some(&self.detectors),
@@ -67,7 +67,7 @@ fn is_dataset(argument: &Arg) -> bool {
     argument.get_value_names().is_some_and(|it| it.iter().any(|it| it == DATASET))
 }
 
-/// A line for every verb of `command` that takes data sets; `path` leads to it.
+/// Adds a line for every verb of `command` that takes data sets; `path` leads to it.
 fn add_datasets<'a>(script: &mut String, command: &'a Command, path: &mut Vec<&'a str>, datasets: &str) {
     if let Some((verb, inner)) = path.split_first()
         && command.get_positionals().any(is_dataset)

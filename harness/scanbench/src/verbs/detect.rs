@@ -102,7 +102,7 @@ pub fn detect(arguments: &DetectArgs) -> Result<(), Failure> {
     }
 }
 
-/// Where the results go.
+/// Destinations of the results.
 struct Destinations {
     clusters: Option<Destination>,
     boxes: Option<Destination>,

@@ -98,10 +98,10 @@ pub fn fit_density(arguments: &FitDensityArgs) -> Result<(), Failure> {
     print_result_in("Density curve", path, summary(&curve))
 }
 
-/// What the curve is learned from. All scans have to be of one sensor.
+/// Origin of the curve. All scans have to be of one sensor.
 fn origin(opened: &[OpenedDataset], arguments: &DatasetArgs) -> Result<CurveOrigin, Failure> {
     let descriptions = || opened.iter().map(|it| it.dataset.description());
-    // Drives of a sensor that nobody knows are taken to be of one.
+    // Drives of unknown sensors are taken to be of one.
     let name = |it| if str::starts_with(it, UNKNOWN_SENSOR) { "unknown" } else { it };
     let sensors: BTreeSet<&str> = descriptions().map(|it| name(&it.sensor)).collect();
     let one_sensor = sensors.first().filter(|_| sensors.len() == 1);

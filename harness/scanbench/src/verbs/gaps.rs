@@ -23,7 +23,7 @@ use crate::cli::{ExperimentArgs, OutputArgs, sensor_help};
 use crate::plumbing::failure::Failure;
 use crate::plumbing::open_datasets::OpenedDataset;
 use crate::plumbing::paper_files::write_figure;
-use crate::plumbing::scan_study::{PutUp, ScanStudy};
+use crate::plumbing::scan_study::{ScanStudy, StagedScenes};
 use crate::plumbing::shards::watched_study::execute_watched;
 use crate::plumbing::shards::work_output::WorkOutput;
 use crate::plumbing::standard_streams::{print_diagnostic, print_result_in, terminal};
@@ -58,10 +58,10 @@ a car and a sign, a car and a bin; side by side and one behind the other, 0.2 to
 gaps.svg and one plot for each kind of pair, pair.svg (a pair from above, as
 simple-grid and hierarchical segment it) and the files of a run on these scans.";
 
-/// The ablation, the method, its rival.
+/// The ablation, the method and its rival.
 const DETECTORS: [&str; 3] = ["simple-grid", "hierarchical", "kd-tree"];
 
-/// Simulates pairs of objects with growing gaps, writes a run directory with who separates them, and prints the table.
+/// Simulates pairs of objects with growing gaps, writes a run directory with the separated pairs, and prints the table.
 pub fn gaps(arguments: &GapsArgs) -> Result<(), Failure> {
     let sensor = sensor_named(&arguments.sensor)?;
     let output = WorkOutput::claim(Study::Gaps, None, &arguments.output)?;
@@ -69,8 +69,11 @@ pub fn gaps(arguments: &GapsArgs) -> Result<(), Failure> {
     let pairs = StagedPairs::new(&arguments.sensor, sensor, arguments.pairs, arguments.detectors.seed);
     let tally = RefCell::new(PairTally::new(pairs.stagings(), study.config.matching));
     study.datasets = vec![OpenedDataset::whole(Box::new(pairs.clone()))];
-    study.put_up =
-        Some(PutUp { drawn: "pairs", seed: arguments.detectors.seed, scenes: scenes(arguments, &pairs) });
+    study.staged = Some(StagedScenes {
+        drawn: "pairs",
+        seed: arguments.detectors.seed,
+        scenes: scenes(arguments, &pairs),
+    });
     study.pairs = Some(&tally);
     let Some((made, _)) = execute_watched(&mut study, output)? else { return Ok(()) };
     let bins = tally.borrow().bins();
@@ -88,7 +91,7 @@ pub fn gaps(arguments: &GapsArgs) -> Result<(), Failure> {
     )
 }
 
-/// What is put up.
+/// The pairs that are put up.
 fn scenes(arguments: &GapsArgs, pairs: &StagedPairs) -> serde_json::Value {
     serde_json::json!({
         "sensor": pairs.sensor(),

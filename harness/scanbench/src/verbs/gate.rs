@@ -75,7 +75,7 @@ fn open_baseline(directory: &Path) -> Result<RunArchive, Failure> {
     open_run(&run_of_baseline(directory))
 }
 
-/// Those of the command line, else those beside the baseline in `directory`, else the built-in ones.
+/// The tolerances of the command line, else those beside the baseline in `directory`, else the built-in ones.
 pub fn tolerances(
     directory: &Path,
     of_command_line: Option<&Path>,
@@ -90,13 +90,13 @@ pub fn tolerances(
     }
 }
 
-/// All of it, or nothing.
+/// Writes all files of the verdict, or none.
 fn write_verdict(directory: &Path, verdict: &Verdict, run: &RunArchive) -> Result<(), Failure> {
     let files = WholeSet::within(directory)?;
     for format in VERDICT_FORMATS {
         files.write(&format.file_name("gate"), format.text(verdict).as_bytes())?;
     }
-    // These are of numbers that a run has beside its rows.
+    // These formats are of the numbers that a run of detectors has beside its rows.
     for format in SERVICE_FORMATS.iter().filter(|_| run.manifest.partial.is_none()) {
         files.write(&format.file_name("gate"), format.text(&run.report).as_bytes())?;
     }

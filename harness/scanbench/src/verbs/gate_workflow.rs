@@ -15,8 +15,8 @@ const TEMPLATE: &str = include_str!("gate_workflow.yml");
 
 /// A workflow for GitHub that makes the run of `manifest` again and holds it to the baseline in `folder`.
 ///
-/// Words of the command of the run that would end its step, or that GitHub replaces, are refused: the run may be that of
-/// somebody else.
+/// Words of the command of the run that would end its step, or that GitHub replaces, are refused: the run may be another
+/// user's.
 pub fn gate_workflow(manifest: &Manifest, folder: &Path) -> Result<String, Usage> {
     let is_more_than_a_word = |it: &&String| !it.chars().all(is_printable) || it.contains("${{");
     if let Some(word) = manifest.argv.iter().find(is_more_than_a_word) {
@@ -40,7 +40,7 @@ pub fn gate_workflow(manifest: &Manifest, folder: &Path) -> Result<String, Usage
     Ok(written + end)
 }
 
-/// What has to be fetched before objects are judged; nothing if all of them are simulated on the way.
+/// Comments on sets of objects to fetch before any is judged; empty if all of them are simulated on the way.
 fn recorded_objects(manifest: &Manifest) -> String {
     let sets = manifest.partial.iter().flat_map(|it| &it.sets);
     let sets = sets.flat_map(|it| [Some(&it.judged), it.learned_from.as_ref()]).flatten();
@@ -53,7 +53,7 @@ fn recorded_objects(manifest: &Manifest) -> String {
     recorded.iter().map(line).collect()
 }
 
-/// What has to be fetched before the run; nothing if all of it is simulated on the way.
+/// Comments on data sets to fetch before the run; empty if all of them are simulated on the way.
 fn data(manifest: &Manifest) -> String {
     let recorded = manifest.datasets.iter().filter_map(|it| Some((&it.id, it.root.as_ref()?)));
     let lines = recorded.map(|(id, root)| {

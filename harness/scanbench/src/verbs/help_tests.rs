@@ -49,7 +49,7 @@ fn options_of_every_verb_stand_below_headings_in_one_order() {
             options.map(|it| HEADINGS.iter().position(|name| Some(*name) == it.get_help_heading()));
         let mut below: Vec<Option<usize>> = Vec::new();
         for heading in headings {
-            // That of an earlier option is where it was.
+            // A heading stays where its first option is.
             if !below.contains(&heading) {
                 below.push(heading);
             }
@@ -77,7 +77,7 @@ fn every_verb_has_an_example_and_all_examples_can_be_copied() {
         let examples: Vec<&str> = long.lines().filter_map(|it| it.strip_prefix("  scanbench ")).collect();
         let name = command.get_bin_name().unwrap_or_default();
         let verb = name.strip_prefix("scanbench ").unwrap_or_default();
-        // That of `serve` is a table of scanbench.toml.
+        // The example of `serve` is a table of scanbench.toml.
         let is_of_verb = examples.iter().any(|it| it.starts_with(verb));
         assert!(is_of_verb || long.contains(&format!("[\"scanbench\", {verb:?}, ")), "{long}");
         for example in examples {

@@ -60,14 +60,14 @@ const SENSOR: &str = "hdl-32e";
 pub fn init(arguments: &InitArgs) -> Result<(), Failure> {
     let folder = &arguments.folder;
     refuse_occupied(folder)?;
-    // All files are on the disk before anything takes its name, and what takes longest is the first to do so.
+    // All files are on the disk before any takes its name. The scans, which take longest, are the first to do so.
     let files = WholeSet::within(folder)?;
     TEMPLATE.iter().try_for_each(|(name, content)| files.write(name, content.as_bytes()))?;
     let data = folder.join(DATA);
     let _folders = data.parent().map(new_folder).transpose()?;
     let n_scans = write_street(&data)?;
     if let Err(error) = files.finish() {
-        // Nothing without the files that it is for.
+        // The scans are of no use without the other files.
         let _ = std::fs::remove_dir_all(&data);
         return Err(error.into());
     }

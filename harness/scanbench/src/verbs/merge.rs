@@ -1,4 +1,4 @@
-//! `scanbench merge`: shards become what they are parts of.
+//! `scanbench merge`: puts shards together.
 
 use std::path::{Path, PathBuf};
 
@@ -64,7 +64,7 @@ pub fn merge(arguments: &MergeArgs) -> Result<(), Failure> {
     }
 }
 
-/// What shards came to, in a directory that has no name yet.
+/// Result of shards, in a directory that has no name yet.
 struct Merged<Whole> {
     study: Study,
     directory: RunDirectory,
@@ -89,7 +89,7 @@ fn put_together<Whole: WholeResult>(
     Ok(Merged { study, directory, whole })
 }
 
-/// Makes of the numbers of a run those of its study.
+/// Writes and prints the study that shards of a run are of.
 fn merge_run(Merged { study, directory, whole }: Merged<WholeRun>) -> Result<(), Failure> {
     if study == Study::Reproduce {
         return merge_reproduction(&whole, directory);

@@ -186,7 +186,7 @@ pub enum Command {
 pub const SCAN_STUDIES: [(Study, WriteStudy); 2] =
     [(Study::Ablation, ablation::write_ablation), (Study::Robustness, robustness::write_robustness)];
 
-/// A command whose work can be shared out.
+/// A command whose work can be cut into shards.
 pub struct Shareable<'a> {
     /// Where it writes.
     pub output: &'a OutputArgs,

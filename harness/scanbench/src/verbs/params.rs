@@ -30,7 +30,7 @@ Examples:
   scanbench params kd-tree pca > mine.toml      a file for -c, to be changed
   scanbench params --schema > scanbench.schema.json";
 
-/// Prints the parameters of detectors with their bounds and what is said of them, as a file for `-c`.
+/// Prints the parameters of detectors with their bounds and meanings, as a file for `-c`.
 pub fn params(arguments: &ParamsArgs) -> Result<(), Failure> {
     if arguments.schema {
         return print_result(format_args!("{:#}", config_schema()));
@@ -58,7 +58,7 @@ fn text_of(table: &str) -> String {
     }
 }
 
-/// The whole of a file, with its tables within `table`, and with `bounds` before what is said of each value.
+/// The text of a file, with its tables put within `table`, and with `bounds` before the meaning of each value.
 fn with_bounds(table: &str, text: &str, bounds: &[Bounds]) -> String {
     let mut within = "";
     let printed = text.lines().map(|line| {
@@ -78,7 +78,7 @@ fn with_bounds(table: &str, text: &str, bounds: &[Bounds]) -> String {
     printed.collect()
 }
 
-/// What a file has of `table`.
+/// Lines of the file `text` that are in `table`.
 fn sections(table: &str, text: &str) -> String {
     let is_of_table = |head: &str| {
         let rest = head.strip_prefix('[').and_then(|it| it.strip_prefix(table));

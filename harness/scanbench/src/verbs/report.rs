@@ -50,7 +50,7 @@ pub fn report(arguments: &ReportArgs) -> Result<(), Failure> {
         let facts = RunFacts::read(directory).map_err(|error| Failure::damaged_run(directory, error))?;
         RunPage::of(&facts).write(directory).map_err(|error| match error {
             ArchiveError::Write { .. } => error.into(),
-            // What a figure shows comes from the run, too.
+            // Figures are made of files of the run: an error means that these are damaged.
             error => Failure::damaged_run(directory, error),
         })?;
         return print_result_in("Run directory", directory, in_short(&facts.in_short()));

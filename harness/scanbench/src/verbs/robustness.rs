@@ -25,7 +25,7 @@ use crate::plumbing::failure::{Failure, Usage};
 use crate::plumbing::first_look::look_first_at_all;
 use crate::plumbing::open_datasets::OpenedDataset;
 use crate::plumbing::paper_files::{write_figure, write_table};
-use crate::plumbing::scan_study::{Printed, PutUp, ScanStudy, make_study};
+use crate::plumbing::scan_study::{Printed, ScanStudy, StagedScenes, make_study};
 use crate::plumbing::shards::whole_run::WholeRun;
 use crate::plumbing::shards::work_output::WorkOutput;
 use crate::plumbing::standard_streams::terminal;
@@ -70,13 +70,13 @@ run whose data sets are the conditions.";
 /// The method, its strongest rival, and the papers' baselines.
 const DETECTORS: [&str; 5] = ["hierarchical", "kd-tree-tree", "kd-tree", "pca", "simple-grid"];
 
-/// What has the trees of [`RobustnessArgs::other_training`].
+/// Name of the method with the trees of [`RobustnessArgs::other_training`].
 const OTHER_TRAINING: &str = "hierarchical, other training";
 
 /// The method.
 const METHOD: &str = "hierarchical";
 
-/// What the seed of the experiment draws.
+/// Kind of the scenes that the seed of the experiment draws.
 const DRAWN: &str = "streets";
 
 /// Runs detectors on simulated streets under one condition after another, each a data set of its own, writes the run
@@ -86,14 +86,14 @@ pub fn robustness(arguments: &RobustnessArgs) -> Result<(), Failure> {
     make_study(&mut open_robustness(arguments, output.started)?, output, write_robustness)
 }
 
-/// Who takes part, also with other trees if that is asked for, and the streets of each condition.
+/// Opens the detectors, also with other trees if that is asked for, and the streets of each condition.
 pub fn open_robustness(arguments: &RobustnessArgs, started: Timestamp) -> Result<ScanStudy<'_>, Failure> {
     let mut study = ScanStudy::of_simulated_scans(&arguments.detectors, &DETECTORS, started)?;
     let (seed, n_scans) = (arguments.detectors.seed, arguments.scans);
     let datasets = CONDITIONS.iter().map(|it| Ok(OpenedDataset::whole(it.open(seed, n_scans)?)));
     let datasets = datasets.collect::<Result<Vec<OpenedDataset>, Failure>>()?;
     study.datasets = look_first_at_all(datasets, &mut study.config);
-    // With what the first look has found.
+    // With the changes of the first look.
     for compared_detector in &mut study.compared_detectors {
         compared_detector.config = study.config.clone();
     }
@@ -105,7 +105,7 @@ pub fn open_robustness(arguments: &RobustnessArgs, started: Timestamp) -> Result
         let drives = it.drives(seed, n_scans);
         serde_json::json!({ "group": it.group, "condition": it.name, "dataset": it.id(), "drives": drives })
     });
-    study.put_up = Some(PutUp { drawn: DRAWN, seed, scenes: conditions.collect::<Vec<_>>().into() });
+    study.staged = Some(StagedScenes { drawn: DRAWN, seed, scenes: conditions.collect::<Vec<_>>().into() });
     Ok(study)
 }
 

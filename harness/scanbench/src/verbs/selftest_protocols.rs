@@ -16,7 +16,7 @@ use crate::plumbing::failure::{Failure, NothingEvaluated};
 use crate::plumbing::open_datasets::OpenedDataset;
 use crate::plumbing::progress::progress_over_scans;
 
-/// What the labels are said to be found by.
+/// Name of the detector that the echoed labels are said to be of.
 const ECHO: &str = "labels";
 
 /// One data set and protocol.
@@ -24,9 +24,9 @@ pub struct CheckedProtocol {
     dataset: String,
     protocol: Protocol,
     n_numbers: usize,
-    // Those that are not the best there is.
+    // Numbers that are not the best there is.
     imperfect: Vec<(ProtocolMetric, f64)>,
-    // Labels that the protocol takes no more of in a scan.
+    // Number of labels beyond those that the protocol takes in a scan.
     n_beyond_number: usize,
 }
 
@@ -74,11 +74,11 @@ pub fn check_protocols(
     Ok(checks)
 }
 
-/// What came of the labels of some scans.
+/// Tally of the echoed labels of some scans.
 struct EchoedLabels {
     tally: ProtocolTally,
     names: Vec<ScanName>,
-    // Of each protocol, the labels that it takes no more of.
+    // By protocol, the number of labels beyond those that it takes.
     n_beyond_number: Vec<usize>,
 }
 
@@ -138,7 +138,7 @@ fn checked(
         let values = it.values(&vec![1; scans.names().len()]);
         it.metrics().into_iter().zip(values).filter_map(|(metric, value)| Some((metric, value?))).collect()
     });
-    // Of all classes together those without labels count as not found, where there is a number of the others, too.
+    // Numbers of all classes count those without labels as not found: numbers of the present classes stand in, if any.
     let of_present: BTreeSet<String> =
         values.iter().filter(|(it, _)| it.class == PRESENT_CLASSES).map(|(it, _)| it.id.clone()).collect();
     // KITTI's own reading does not give the best of few annotations; ours has to.

@@ -21,7 +21,7 @@ use crate::plumbing::failure::{Failure, Usage};
 
 pub use evaluation::process::supervisor::supervise;
 
-/// Answers until it is asked to end.
+/// Answers questions until it is asked to end.
 pub fn serve(arguments: &ServeArgs) -> Result<(), Failure> {
     let served = if arguments.detector == NOTHING {
         None
@@ -152,6 +152,6 @@ impl Server {
 enum Problem {
     /// The host is told.
     Reported(String),
-    /// Nobody can be told.
+    /// The host cannot be told.
     Broken(io::Error),
 }

@@ -75,7 +75,7 @@ pub fn record(
 struct WorstScan {
     /// Data set, and scan within it.
     indices: [usize; 2],
-    /// Where they are.
+    /// Marks of the mistakes.
     marks: Vec<Mark>,
 }
 
@@ -89,7 +89,7 @@ fn mark(rank: u32, mistake: &ListedMistake<'_>) -> Option<Mark> {
     Some(Mark { position_m: mistake.position_m?, text })
 }
 
-/// What is needed to run scans once more.
+/// Everything that is needed to run scans once more.
 struct RunAgain {
     arguments: Box<RunArgs>,
     config: RunConfig,
@@ -97,7 +97,7 @@ struct RunAgain {
     datasets: Vec<OpenedDataset>,
 }
 
-/// Somebody else may have chosen what is fetched, and from where.
+/// Refuses data sets at addresses: another user may have chosen what is fetched, and from where.
 fn refuse_addresses(arguments: &RunArgs) -> Result<(), Usage> {
     match arguments.data.datasets.iter().find(|it| it.contains("://")) {
         Some(address) => Err(Usage(format!(
@@ -127,7 +127,7 @@ fn show_programs(arguments: &RunArgs, detectors: &[ChosenDetector], trusted: boo
 }
 
 impl RunAgain {
-    /// As `manifest` says; a run that is not `trusted` may name files of this machine, and nothing else.
+    /// Opens the run of `manifest`; a run that is not `trusted` may name files of this machine, and nothing else.
     fn of(manifest: &Manifest, trusted: bool) -> Result<Self, Failure> {
         let parsed = Cli::try_parse_from(&manifest.argv).map(|it| it.command);
         let Ok(Command::Run(arguments)) = parsed else {

@@ -1,4 +1,4 @@
-//! From an open data set to files of another format.
+//! Conversion of an open data set to files of another format.
 
 use std::path::Path;
 
@@ -25,8 +25,8 @@ pub struct Output<'a> {
     pub compression: ChunkCompression,
 }
 
-/// Writes the scans of `dataset` at `scan_indices`; `on_scan` is called after each, and of a scan that cannot be
-/// read `on_damage` says whether to go on without it.
+/// Writes the scans of `dataset` at `scan_indices`. It calls `on_scan` after each; if a scan cannot be read, `on_damage`
+/// decides whether to go on without it.
 ///
 /// Nothing is left behind after an error.
 pub fn convert<E: From<ConversionError>>(
@@ -67,7 +67,7 @@ fn begin(output: Output<'_>, sheet: DataSheet) -> Result<Box<dyn ScanWriter>, Co
     })
 }
 
-/// What a converted data set says about itself: all that is known about the one it is made from.
+/// The data sheet of a converted data set: all that is known about its source.
 pub fn sheet_of(description: &DatasetDescription) -> DataSheet {
     let checksum = description.checksum.as_deref().unwrap_or("without checksum");
     DataSheet {

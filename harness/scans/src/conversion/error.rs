@@ -1,4 +1,4 @@
-//! Why scans cannot be converted.
+//! Errors of conversions.
 
 use std::path::PathBuf;
 
@@ -9,18 +9,18 @@ use crate::dataset::DatasetError;
 /// Why scans cannot be converted.
 #[derive(Debug, thiserror::Error)]
 pub enum ConversionError {
-    /// They cannot be read.
+    /// The scans cannot be read.
     #[error(transparent)]
     Dataset(#[from] DatasetError),
     /// A file cannot be written.
     #[error(transparent)]
     Archive(#[from] ArchiveError),
-    /// Something cannot be written.
+    /// A file or folder cannot be written.
     #[error("cannot write {path:?}")]
     Write {
         /// The file or folder.
         path: PathBuf,
-        /// What the operating system said.
+        /// Error of the operating system.
         source: std::io::Error,
     },
     /// A recording cannot be written.
@@ -28,22 +28,22 @@ pub enum ConversionError {
     Recording {
         /// The file.
         path: PathBuf,
-        /// What went wrong.
+        /// Error of the library.
         source: mcap::McapError,
     },
-    /// There is something already.
+    /// The file or folder exists already.
     #[error("{path:?} exists; choose another name or remove it")]
     Occupied {
         /// The file or folder.
         path: PathBuf,
     },
-    /// Somebody else is writing it.
+    /// Another program is writing the folder.
     #[error("another program is writing {path:?}; choose another name, or wait for it")]
     InUse {
         /// The folder.
         path: PathBuf,
     },
-    /// A drive with more objects than the format has numbers for.
+    /// A drive has more objects than the format has numbers for.
     #[error(
         "drive {drive:?} has at least {n_objects} objects, but {format} has only {max} numbers; objects without a track count once in each scan; take fewer scans with --scans"
     )]
@@ -57,7 +57,7 @@ pub enum ConversionError {
         /// The most that it has numbers for.
         max: u32,
     },
-    /// The format cannot hold it.
+    /// The format cannot hold the scan.
     #[error("scan {scan} cannot be written as {format}: {problem}")]
     Unwritable {
         /// The scan.

@@ -4,7 +4,7 @@ use std::collections::{BTreeMap, BTreeSet};
 
 use reports::vocabulary::class::AnnotationClass;
 
-/// The most that a drive can have.
+/// The most objects that a drive can have.
 pub const MAX_INSTANCES: u32 = u16::MAX as u32;
 
 /// Numbers from 1 for the objects of one drive, in the order in which they are met.
@@ -22,11 +22,11 @@ impl InstanceNumbers {
     }
 
     /// The number of an object of the scan: that of its class and track in earlier scans, else one that no other object has.
-    /// An object without a track is another one in each scan, and so is the second of one track in a scan.
+    /// An object without a track gets a new number in each scan, and so does the second object of one track in a scan.
     ///
     /// # Errors
     ///
-    /// How many objects there are by now, if that is more than [`MAX_INSTANCES`].
+    /// The number of objects so far, if it exceeds [`MAX_INSTANCES`].
     pub fn number_of(&mut self, class: AnnotationClass, track: Option<u32>) -> Result<u16, u32> {
         let known = track.and_then(|track| self.of_track.get(&(class, track)).copied());
         if let Some(number) = known

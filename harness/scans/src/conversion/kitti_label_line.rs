@@ -16,7 +16,7 @@ Tr_velo_to_cam: 0 -1 0 0 0 0 -1 0 1 0 0 0
 ";
 
 /// The line of the object benchmark for `annotation`, whose box is `bounding_box`, without the number of the scan and the
-/// track that the tracking benchmark has before it. What is not known is written as the benchmarks do.
+/// track that the tracking benchmark has before it. Unknown values are written as the benchmarks do.
 ///
 /// Coordinates are written in full, so that the box that is read is the one that was written.
 pub fn label_line(annotation: &Annotation, bounding_box: &OrientedBox, truncation: &str) -> String {

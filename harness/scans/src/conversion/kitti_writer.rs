@@ -1,7 +1,7 @@
 //! Scans in the layouts of KITTI's tracking and object benchmarks.
 //!
-//! Objects without a box get the one around their points. Where not all is labelled, a file beside every scan says so point
-//! by point (see [`point_region_file`]).
+//! Objects without a box get the one around their points. Where not all is labelled, a file beside every scan gives the
+//! region of each point (see [`point_region_file`]).
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
@@ -20,7 +20,7 @@ use crate::dataset::kitti::region_file::{point_region_file, region_bytes};
 /// The least side of a box around points that lie in a line, in metres.
 const MIN_SIDE_M: f32 = 0.01;
 
-/// Which of the two.
+/// One of the two layouts.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum KittiLayout {
     /// Whole drives.
@@ -41,7 +41,7 @@ pub struct KittiWriter {
 }
 
 impl KittiWriter {
-    /// Begins the folder `path`, with what `sheet` says about the scans.
+    /// Begins the folder `path`, with the data sheet `sheet`.
     pub fn create(path: &Path, layout: KittiLayout, sheet: DataSheet) -> Result<Self, ConversionError> {
         let sheet = DataSheet { labeled_region: LabeledRegion::PerPoint, ..sheet };
         Ok(Self {
@@ -110,7 +110,7 @@ impl ScanWriter for KittiWriter {
 ///
 /// # Errors
 ///
-/// If there are none: such a file is taken for a damaged one.
+/// If there are no points: such a file is taken for a damaged one.
 pub fn bin_file(scan: &LabeledScan) -> Result<Vec<u8>, ConversionError> {
     if scan.cloud.is_empty() {
         let problem =
@@ -150,7 +150,7 @@ fn labels_of(scan: &LabeledScan, layout: KittiLayout, number: u32) -> String {
     labels
 }
 
-/// As the tracking benchmark is read: a whole 1 stands for a share that is not known.
+/// The share as the tracking benchmark is read, where a whole 1 stands for an unknown one.
 fn tracking_truncation(annotation: &Annotation) -> String {
     match annotation.truncation {
         Some(share) if share < 1.0 => share.to_string(),

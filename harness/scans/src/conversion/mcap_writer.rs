@@ -1,8 +1,8 @@
 //! Scans as an MCAP recording: `foxglove.PointCloud`, `foxglove.SceneUpdate` and `foxglove.FrameTransform` in protobuf, in
 //! chunks with indexes.
 //!
-//! What these messages cannot say is in further fields of the points (see [`own_fields`]) and in a metadata record (see
-//! [`own_metadata`]), so that reading a recording gives what was written.
+//! Values that these messages have no place for are in further fields of the points (see [`own_fields`]) and in a metadata
+//! record (see [`own_metadata`]), so that reading a recording gives back all that was written.
 
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
@@ -34,7 +34,7 @@ use crate::dataset::points_of_boxes::points_of_boxes;
 /// The topic of the clouds.
 pub const CLOUD_TOPIC: &str = "/lidar/points";
 
-/// The messages that are written, so that others can read them: `foxglove.proto` as a serialised `FileDescriptorSet`.
+/// Descriptions of the messages, so that other programs can read them: `foxglove.proto` as a serialised `FileDescriptorSet`.
 const DESCRIPTIONS: &[u8] = include_bytes!("foxglove.desc");
 
 const TRANSFORM_TOPIC: &str = "/tf";
@@ -77,7 +77,7 @@ pub struct McapWriter {
 }
 
 impl McapWriter {
-    /// Begins the recording `path`, with what `sheet` says about the scans.
+    /// Begins the recording `path`, with the data sheet `sheet`.
     pub fn create(
         path: &Path,
         compression: ChunkCompression,
@@ -94,7 +94,7 @@ impl McapWriter {
         Ok(Self { path, writer, ending, channels, n_written: 0, sheet, scan_ids: Vec::new() })
     }
 
-    /// Appends a message in protobuf; its topic is announced if it is the first.
+    /// Appends a message in protobuf; its topic is announced before the first one.
     pub fn write_message(
         &mut self,
         topic: &str,
@@ -169,7 +169,7 @@ impl ScanWriter for McapWriter {
                 &transform(time_ns, &world_from_sensor),
             )?;
         }
-        // Before the cloud, so that both are in one chunk. Where nothing is labelled, nothing is said.
+        // Before the cloud, so that both are in one chunk. A scan without labels gets no scene.
         let says_something = scan.point_regions.iter().any(|it| *it != PointRegion::Outside);
         if says_something || !scan.annotations.is_empty() {
             let scene = scene_of(time_ns, entities_of(time_ns, &scan.annotations));
@@ -271,7 +271,7 @@ fn cloud_of(scan: &LabeledScan, time_ns: u64) -> PointCloud {
     PointCloud { timestamp, frame_id: SENSOR_FRAME.to_owned(), pose, point_stride, fields, data }
 }
 
-/// For every point, the number of its annotation from 1; `None` where the boxes say the same.
+/// For every point, the number of its annotation from 1 (0 for none); `None` where boxes alone give the same.
 fn objects_of_points(scan: &LabeledScan) -> Option<Vec<u32>> {
     let boxes: Vec<_> = scan.annotations.iter().filter_map(|it| it.bounding_box).collect();
     if boxes.len() == scan.annotations.len() {

@@ -1,6 +1,6 @@
-//! Labelled scans written to disk in the formats of others.
+//! Writers of labelled scans in other formats.
 //!
-//! Everything is written beside its name and gets it at the end: whole or not at all.
+//! Everything is written under another name and renamed at the end: it appears whole or not at all.
 
 use nalgebra::Isometry3;
 

@@ -33,7 +33,7 @@ named! {
     }
 }
 
-/// What a vehicle is called: detectors do not distinguish cars from vans.
+/// The class of every vehicle: detectors do not distinguish cars from vans.
 const CLASS: &str = "Car";
 
 /// A vehicle that a detector proposes.
@@ -56,9 +56,9 @@ pub struct ProposalWriter {
 }
 
 impl ProposalWriter {
-    /// Begins the folder `path`, with what `sheet` says about the scans.
+    /// Begins the folder `path`, with the data sheet `sheet`.
     pub fn create(path: &Path, format: ProposalFormat, sheet: DataSheet) -> Result<Self, ConversionError> {
-        // Whoever corrects proposals looks all round.
+        // People who correct proposals look all round.
         let sheet = DataSheet { labeled_region: LabeledRegion::Everywhere, ..sheet };
         let annotated_classes = crate::dataset::AnnotatedClasses::Only(AnnotationClass::ALL.to_vec());
         let sheet = DataSheet { annotated_classes, ..sheet };
@@ -111,7 +111,7 @@ impl ProposalWriter {
         self.folder.write(DATA_SHEET, self.sheet.to_json().as_bytes())?;
         self.folder.write(PROPOSALS_CSV, self.proposed.to_csv().as_bytes())?;
         if self.format == ProposalFormat::Labelcloud {
-            // What the tool asks for otherwise.
+            // Without this file, the tool asks for the classes.
             let classes = json!({
                 "classes": [{"name": CLASS, "id": 0, "color": "#56b4e9"}],
                 "default": 0,
@@ -131,7 +131,7 @@ fn listed(proposal: &Proposal, track: Option<u32>) -> ListedBox {
     ListedBox { class, center_m: center_m.map(f64::from), length_width_height_m, yaw_rad, track }
 }
 
-/// One line each, with the score at the end as in results of the benchmark.
+/// A line for each proposal, with the score at the end as in results of the benchmark.
 fn kitti_labels(proposals: &[Proposal]) -> String {
     let mut labels = String::new();
     for Proposal { bounding_box, score } in proposals {

@@ -9,13 +9,13 @@ use crate::dataset::mcap::foxglove_scene::{
 };
 use crate::dataset::mcap::scene_objects::keys;
 
-/// Number of the kind of deletion that removes everything.
+/// The kind of deletion that removes everything.
 const DELETE_ALL: i32 = 1;
 
 /// The frame that everything is written in.
 pub const SENSOR_FRAME: &str = "lidar";
 
-/// The scene that replaces whatever was there at `time_ns`.
+/// The scene at `time_ns` that replaces everything there.
 pub fn scene_of(time_ns: u64, entities: Vec<SceneEntity>) -> SceneUpdate {
     let timestamp = Some(Timestamp::from_nanoseconds(time_ns));
     let deletion = SceneEntityDeletion { timestamp, kind: DELETE_ALL, id: String::new() };
@@ -53,7 +53,7 @@ pub fn entity_of(
     }
 }
 
-/// A line between two points, as thick whatever the distance.
+/// A line between two points whose thickness is the same at all distances.
 pub fn line_between(ends_m: [[f32; 3]; 2], color: Color) -> LinePrimitive {
     let points = ends_m.map(|it| {
         let [x, y, z] = it.map(f64::from);

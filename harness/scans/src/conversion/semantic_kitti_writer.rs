@@ -1,9 +1,9 @@
 //! Scans as drives of SemanticKITTI: `.bin` and `.label` files, and the poses and times that are known.
 //!
 //! Every annotation becomes an instance, numbered anew in each drive by its class and track; boxes are not written. Poles
-//! without a track that hang together as a reader of the format expects keep instance 0, as in the real labels. Points of no
-//! annotation become *other ground*, points that are not judged *unlabelled*. Scans are numbered anew in each drive, as
-//! poses and times go by number.
+//! without a track keep instance 0, as in the real labels, if a reader of the format finds the same ones among their points.
+//! Points of no annotation become *other ground*, points that are not judged *unlabelled*. Scans are numbered anew in each
+//! drive, as poses and times go by number.
 
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -21,10 +21,10 @@ use crate::dataset::folder_name::folder_name;
 use crate::dataset::semantic_kitti::semantic_class::{BACKGROUND_NUMBER, UNLABELED_NUMBER, number_of};
 use crate::dataset::semantic_kitti::upright_components::upright_components;
 
-/// What errors call the format.
+/// Name of the format in errors.
 const FORMAT: &str = "semantic-kitti";
 
-/// The poses are the sensor's own.
+/// The identity: the poses are the sensor's own.
 const CALIBRATION: &str = "Tr: 1 0 0 0 0 1 0 0 0 0 1 0\n";
 
 /// A data set that is being written.
@@ -43,7 +43,7 @@ struct Drive {
 }
 
 impl SemanticKittiWriter {
-    /// Begins the folder `path`, with what `sheet` says about the scans.
+    /// Begins the folder `path`, with the data sheet `sheet`.
     pub fn create(path: &Path, sheet: DataSheet) -> Result<Self, ConversionError> {
         Ok(Self { folder: WholeFolder::create(path)?, sheet, drives: BTreeMap::new() })
     }
@@ -113,7 +113,7 @@ fn labels_of(scan: &LabeledScan, instances: &mut InstanceNumbers) -> Result<Vec<
     Ok(labels)
 }
 
-/// The points of an annotation but for those that are not to be judged, which stay unlabelled.
+/// The points of an annotation without the unscorable ones, which stay unlabelled.
 fn scorable_points(scan: &LabeledScan, annotation: &Annotation) -> Vec<u32> {
     let is_scorable = |it: &u32| scan.point_regions[*it as usize] != PointRegion::Unscorable;
     annotation.point_indices.iter().copied().filter(is_scorable).collect()
@@ -123,7 +123,7 @@ fn is_pole_without_track(annotation: &Annotation) -> bool {
     annotation.class == AnnotationClass::Pole && annotation.track.is_none()
 }
 
-/// Whether the poles without a track are those that a reader finds among their points.
+/// Whether the poles without a track are the ones that a reader finds among their points.
 fn poles_hang_together(scan: &LabeledScan) -> bool {
     let poles = scan.annotations.iter().filter(|it| is_pole_without_track(it));
     let mut poles: Vec<Vec<u32>> = poles.map(|it| scorable_points(scan, it)).collect();

@@ -1,5 +1,5 @@
-//! The same bytes for the same recording: the library lists schemas and channels at the end of a file in the order of a hash
-//! map, which differs each time. Here they are sorted by their numbers before they reach the file.
+//! Makes equal recordings equal in every byte: the library lists schemas and channels at the end of a file in the order of a
+//! hash map, which differs each time. Here they are sorted by their numbers before they reach the file.
 
 use std::io::{self, Write};
 use std::sync::Arc;
@@ -8,14 +8,14 @@ use std::sync::atomic::{AtomicBool, Ordering};
 const SCHEMA: u8 = 0x03;
 const CHANNEL: u8 = 0x04;
 
-/// Bytes of the kind and the length that a record begins with.
+/// Bytes of the kind and the length at the beginning of a record.
 const N_HEAD_BYTES: usize = 9;
 
 /// Bytes at the end: the last record, with its head and the checksum as its last four bytes, and the mark of the format.
 const N_FOOTER_BYTES: usize = N_HEAD_BYTES + 20;
 const N_MARK_BYTES: usize = 8;
 
-/// Passes on what is written to it, until its [`Ending`] says that the end begins; from then on it keeps what is written.
+/// Passes on the bytes written to it, until its [`Ending`] says that the end begins; from then on it keeps them.
 pub struct StableSummary<W> {
     inner: W,
     n_passed_on: u64,
@@ -23,28 +23,28 @@ pub struct StableSummary<W> {
     end: Vec<u8>,
 }
 
-/// Says to a [`StableSummary`] with another owner that the end begins.
+/// Tells a [`StableSummary`] with another owner that the end begins.
 #[derive(Clone)]
 pub struct Ending(Arc<AtomicBool>);
 
 impl Ending {
-    /// What is written from now on is kept.
+    /// Begins the end: bytes written from now on are kept.
     pub fn begin(&self) {
         self.0.store(true, Ordering::Relaxed);
     }
 }
 
 impl<W: Write> StableSummary<W> {
-    /// Passes on to `inner`.
+    /// Passes bytes on to `inner`.
     pub fn new(inner: W) -> (Self, Ending) {
         let is_ending = Arc::new(AtomicBool::new(false));
         let ending = Ending(Arc::clone(&is_ending));
         (Self { inner, n_passed_on: 0, is_ending, end: Vec::new() }, ending)
     }
 
-    /// Passes on what was kept, in order.
+    /// Passes on the bytes that were kept, in order.
     pub fn finish(mut self) -> io::Result<W> {
-        // What is not as it should be is left as it is: it is no worse than before.
+        // A summary that cannot be parsed is written unsorted, which is no worse than before.
         let _ = sort_summary(&mut self.end, self.n_passed_on);
         self.inner.write_all(&self.end)?;
         Ok(self.inner)
@@ -67,8 +67,8 @@ impl<W: Write> Write for StableSummary<W> {
     }
 }
 
-/// Sorts schemas and channels in the summary at the end of a recording, of which `end` begins at byte `begin`; `None` if it
-/// is none.
+/// Sorts schemas and channels in the summary of a recording. `end` are the last bytes of the recording, from byte `begin`
+/// on; `None` if they do not hold such a summary.
 fn sort_summary(end: &mut [u8], begin: u64) -> Option<()> {
     let footer = end.len().checked_sub(N_FOOTER_BYTES + N_MARK_BYTES)?;
     let summary_start = u64::from_le_bytes(*end.get(footer + N_HEAD_BYTES..)?.first_chunk()?);

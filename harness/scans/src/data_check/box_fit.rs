@@ -7,17 +7,17 @@ use super::label_correction::{Correction, DrawnBy};
 use super::paired_fits::PairedFits;
 use super::seen_vehicles::{SeenVehicle, SeenVehicles};
 
-/// A point so far from the side that it belongs to counts nothing, in metres.
+/// A point at least this far from the side that it belongs to counts nothing, in metres.
 const NEAR_SIDE_M: f32 = 0.45;
-/// Points may lie so far outside of boxes, in metres.
+/// Points may lie this far outside of boxes, in metres.
 const OUTSIDE_M: f32 = 0.3;
-/// Points of sides lie so far outside of boxes by noise, in metres.
+/// Noise brings points of sides this far out of boxes, in metres.
 const NOISE_M: f32 = 0.1;
-/// Steps of a shift along both axes, coarse first: so large, and so many to either side, in metres.
+/// Steps of a shift along both axes, coarse first: size in metres, and number to either side.
 const SHIFT_STEPS: [(f32, i32); 3] = [(0.3, 6), (0.1, 3), (0.05, 2)];
-/// Changes with two parameters fit better by chance, and are believed if they fit so much better.
+/// A shift has two parameters and fits better by chance: its fit counts only times this factor.
 const WORTH_OF_SHIFT: f64 = 0.94;
-/// The same where labelled cars are longer or shorter than any, so that their size is suspected first.
+/// The factor where the median car has no length of cars, so that the size of boxes is suspected first.
 const WORTH_OF_SHIFT_IF_ODD: f64 = 0.7;
 /// Lengths of cars, in metres.
 const CAR_LENGTHS_M: std::ops::Range<f32> = 3.0..5.6;
@@ -31,8 +31,8 @@ pub struct BetterFit {
     pub fits: PairedFits,
 }
 
-/// The mean over `vehicles`, changed by `correction` if there is one, of how well points lie along sides, from 0 to 1; 0 of
-/// nothing.
+/// The mean over `vehicles`, changed by `correction` if there is one, of how well points lie along sides, from 0 to 1; 0
+/// without vehicles.
 pub fn mean_fit(vehicles: &[SeenVehicle], correction: Option<Correction>) -> f64 {
     let fits = vehicles.iter().map(|it| fit_of(it, correction));
     fits.sum::<f64>() / vehicles.len().max(1) as f64
@@ -81,8 +81,8 @@ fn fit(bounding_box: &OrientedBox, points_m: &[[f32; 2]]) -> f64 {
     points_m.iter().map(|it| f64::from(of_point(*it))).sum::<f64>() / points_m.len().max(1) as f64
 }
 
-/// The change that is believed first, of those that boxes `drawn_by` somebody may need and that leave them near their
-/// vehicles; `None` if all are best as they are.
+/// The change that is believed first, of those that boxes `drawn_by` people or a detector may need and that leave them near
+/// their vehicles; `None` if all boxes fit best as they are.
 pub fn better_fit(vehicles: &SeenVehicles, drawn_by: DrawnBy) -> Option<BetterFit> {
     let seen = &vehicles.seen;
     let unchanged = mean_fit(seen, None);
@@ -137,7 +137,7 @@ fn best_shift(vehicles: &[SeenVehicle], kind: fn([f32; 2]) -> Correction) -> (Co
     (kind(best.0), best.1)
 }
 
-/// Whether the median car is longer or shorter than cars are.
+/// Whether the length of the median car is outside of [`CAR_LENGTHS_M`].
 fn has_odd_cars(vehicles: &[SeenVehicle]) -> bool {
     let longer = |it: &SeenVehicle| {
         let [length_m, width_m, _] = it.bounding_box.length_width_height_m;

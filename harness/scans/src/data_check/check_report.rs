@@ -1,4 +1,4 @@
-//! What all scans of a data set say together.
+//! The report on all scans of a data set together.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::fmt;
@@ -11,42 +11,42 @@ use crate::annotation::ScanId;
 use crate::dataset::shown_name::shown;
 use crate::dataset::{AnnotatedClasses, DatasetDescription};
 
-/// The ground may be this far from where the height of the sensor puts it, in metres.
+/// The ground may be this far from its place by the height of the sensor, in metres.
 const GROUND_TOLERANCE_M: f32 = 0.5;
 
 /// A pause this many times as long as the usual one is a gap.
 const GAP_FACTOR: f64 = 1.5;
 
-/// Most characters of a line; a longer list continues below.
+/// Most characters in a line; a longer list continues below.
 const LINE_WIDTH: usize = 120;
 
-/// What is known about one scan.
+/// Facts about one scan of a data set.
 #[derive(Debug, Clone, PartialEq)]
 pub struct CheckedScan {
-    /// Which it is.
+    /// The id of the scan.
     pub id: ScanId,
-    /// The drive that it was taken in; `None` where nobody knows, nor when.
+    /// The drive that it was taken in; `None` where neither drives nor times are known.
     pub drive: Option<String>,
     /// When it was taken, in nanoseconds.
     pub time_ns: Option<u64>,
-    /// What it is like, or why it cannot be read.
+    /// Its facts, or the reason why it cannot be read.
     pub facts: Result<ScanFacts, String>,
 }
 
-/// What was found, line by line.
+/// The findings, line by line.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct CheckReport {
-    /// What it is: a name and a value for each line.
+    /// Facts about the data set: a name and a value for each line.
     pub lines: Vec<(&'static str, String)>,
-    /// What may be wrong.
+    /// Possible errors in the data set.
     pub warnings: Vec<String>,
     /// Scans that cannot be read.
     pub n_damaged: usize,
 }
 
 impl CheckReport {
-    /// What `scans` say about the data set, in the order of the data set. `suspicions` about frame and labels come first:
-    /// what follows may follow from them.
+    /// The report on `scans`, in the order of the data set. `suspicions` about frame and labels come first, as later
+    /// findings may follow from them.
     pub fn of(
         description: &DatasetDescription,
         scans: &[CheckedScan],
@@ -60,7 +60,7 @@ impl CheckReport {
         report.count_scans(scans);
         report.count_points(&facts);
         report.name_empty(scans);
-        // Where another axis points up, z says nothing of heights.
+        // Where another axis points up, z is no height.
         if !suspicions.iter().any(|it| matches!(it, FrameSuspicion::Axis(_))) {
             report.check_ground(description, &facts);
         }
@@ -70,20 +70,19 @@ impl CheckReport {
         report
     }
 
-    /// Adds what may be wrong with labels and names as a whole, see
-    /// [`Dataset::oddities`](crate::dataset::Dataset::oddities).
+    /// Adds possible errors of labels and names as a whole, see [`Dataset::oddities`](crate::dataset::Dataset::oddities).
     pub fn add_oddities(&mut self, oddities: impl IntoIterator<Item = String>) {
         self.warnings.extend(oddities.into_iter().map(|it| shown(&it).into_owned()));
     }
 
-    /// Says which columns were read from files that do not name them.
+    /// Adds the columns that were read from files that do not name them.
     pub fn add_columns(&mut self, columns: Option<String>) {
         if let Some(columns) = columns {
             self.line("columns", columns);
         }
     }
 
-    /// Says whether labels were compared with points; what is suspect about them is a suspicion.
+    /// Adds whether labels were compared with points; errors of the labels are among the suspicions.
     pub fn add_label_look(&mut self, look: &LabelLook) {
         let verb = match (look.is_enough(), look.suspicions.is_empty()) {
             (false, _) => "too few to be compared with points",
@@ -97,7 +96,7 @@ impl CheckReport {
         );
     }
 
-    /// Adds what is suspect beyond heights and empty boxes, which all scans show.
+    /// Adds the suspicions except those about heights and empty boxes, which are checked on all scans.
     fn add_suspicions(&mut self, suspicions: &[FrameSuspicion]) {
         let is_shown = |it: &&FrameSuspicion| {
             matches!(it, FrameSuspicion::Height { .. } | FrameSuspicion::EmptyBoxes(_))

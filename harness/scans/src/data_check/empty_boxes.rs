@@ -1,11 +1,11 @@
-//! Boxes that hold no point: labels and scans differ in frame or time.
+//! Boxes that hold no point, which shows that labels and scans differ in frame or time.
 
 use crate::annotation::LabeledScan;
 
 /// Boxes nearer than this should hold points, in metres.
 pub const NEAR_M: f32 = 40.0;
 
-/// More empty boxes than this share, and something is wrong with frames, calibration or times.
+/// If a greater share of boxes is empty, something is wrong with frames, calibration or times.
 const MAX_EMPTY_SHARE: f64 = 0.5;
 
 /// How many boxes near the sensor there are, and how many of them hold no point.
@@ -13,12 +13,12 @@ const MAX_EMPTY_SHARE: f64 = 0.5;
 pub struct EmptyBoxes {
     /// Near boxes.
     pub n_near: usize,
-    /// Those of them without a point.
+    /// Near boxes without a point.
     pub n_empty: usize,
 }
 
 impl EmptyBoxes {
-    /// Those of `scans`.
+    /// Counts the boxes of `scans`.
     pub fn of<'a>(scans: impl IntoIterator<Item = &'a LabeledScan>) -> Self {
         let mut counted = Self::default();
         for annotation in scans.into_iter().flat_map(|it| &it.annotations) {
@@ -27,7 +27,7 @@ impl EmptyBoxes {
         counted
     }
 
-    /// Counts an annotation whose box, if any, is this far away.
+    /// Counts an annotation with `n_points` points; its box, if any, is `box_range_m` metres away.
     pub fn add(&mut self, box_range_m: Option<f32>, n_points: usize) {
         if box_range_m.is_some_and(|it| it < NEAR_M) {
             self.n_near += 1;
@@ -35,7 +35,7 @@ impl EmptyBoxes {
         }
     }
 
-    /// Whether most of them are empty.
+    /// Whether most near boxes are empty.
     pub fn are_most(self) -> bool {
         self.n_empty as f64 > MAX_EMPTY_SHARE * self.n_near as f64
     }

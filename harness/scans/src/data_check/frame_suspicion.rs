@@ -1,4 +1,4 @@
-//! What may be wrong with the frame of scans and labels.
+//! Possible errors in the frame of scans and labels.
 
 use std::fmt;
 
@@ -17,16 +17,16 @@ pub enum FrameSuspicion {
     NoGround,
     /// Another axis than z points up.
     Axis(UpAxis),
-    /// The origin is so high above the ground, in metres, where no sensor is.
+    /// The origin is this high above the ground, in metres, where no sensor is.
     OnGround(f64),
-    /// The ground is elsewhere than the height of the sensor puts it.
+    /// The ground is not where the height of the sensor puts it.
     Height {
         /// How high the origin is above the ground, in metres.
         seen_m: f64,
-        /// How high it is said to be.
+        /// How high the sensor is said to be, in metres.
         said_m: f64,
     },
-    /// The ground is tilted by so many degrees.
+    /// The ground is tilted by this many degrees.
     Tilt(f64),
     /// Most boxes hold no point.
     EmptyBoxes(EmptyBoxes),
@@ -37,13 +37,13 @@ pub enum FrameSuspicion {
 }
 
 impl FrameSuspicion {
-    /// Whether it is about the labels, and not about the frame of the scans.
+    /// Whether the suspicion is about the labels, and not about the frame of the scans.
     pub fn is_about_labels(&self) -> bool {
         matches!(self, Self::Labels(_) | Self::EmptyBoxes(_))
     }
 
-    /// Whether numbers are in doubt. Objects may lie to one side in truth: whoever labelled them knows. Points without a
-    /// return are the same for all detectors.
+    /// Whether numbers are in doubt. Objects may really lie to one side, as their annotators know. Points without a return
+    /// are the same for all detectors.
     pub fn is_doubt(&self) -> bool {
         !matches!(self, Self::Labels(LabelSuspicion::Sector { .. }) | Self::SamePosition(_))
     }

@@ -1,4 +1,4 @@
-//! What may be wrong with where labels lie, as what mends it.
+//! Possible errors in the position of labels, given as the changes that correct them.
 
 use std::f32::consts::{FRAC_PI_2, PI};
 use std::fmt;
@@ -16,7 +16,7 @@ pub enum Correction {
     YawFromLeft,
     /// The yaw is in degrees.
     YawFromDegrees,
-    /// All yaws turn by so much.
+    /// All yaws turn by this angle.
     Yaw(f32),
     /// Lengths and widths are multiplied.
     Scale(f32),
@@ -26,13 +26,13 @@ pub enum Correction {
     Mirror,
     /// x and y are swapped.
     ExchangeAxes,
-    /// All move by so much along x and y of the sensor.
+    /// All boxes move by this vector, along x and y of the sensor.
     Shift([f32; 2]),
-    /// Each moves by so much to its own front and left.
+    /// Each box moves by this vector, to its own front and left.
     OwnShift([f32; 2]),
-    /// The labels of the scan after, or of that before, are taken.
+    /// The boxes are those of the scan after, or of the one before.
     OtherScan {
-        /// Whether it is the one after.
+        /// Whether they are those of the scan after.
         is_next: bool,
     },
 }
@@ -47,7 +47,7 @@ pub enum DrawnBy {
 }
 
 impl DrawnBy {
-    /// Whether `correction` is what may be wrong with all boxes at once, and no weakness of a detector.
+    /// Whether all boxes at once may need `correction`, for a reason other than a weakness of the detector.
     pub fn may_need(self, correction: Correction) -> bool {
         match (self, correction) {
             (Self::Detector, Correction::Scale(_) | Correction::OwnShift(_) | Correction::Yaw(_)) => false,
@@ -64,7 +64,7 @@ impl Correction {
         !matches!(self, Self::Scale(_))
     }
 
-    /// The box as it would be.
+    /// The box with this change.
     pub fn of(self, labelled: &OrientedBox) -> OrientedBox {
         let mut it = *labelled;
         let [x_m, y_m, _] = it.center_m;
@@ -98,7 +98,7 @@ impl Correction {
         it
     }
 
-    /// Whether it is so large that carefully drawn boxes do not need it: these are larger than vehicles by a tenth, and lie
+    /// Whether it is so large that carefully drawn boxes do not need it: they are larger than vehicles by a tenth, and lie
     /// 0.2 m off.
     pub fn is_large(self) -> bool {
         let degrees = |it: f32| it.to_degrees().abs() + 1e-3;
@@ -111,9 +111,9 @@ impl Correction {
         }
     }
 
-    /// How the labels look, and what mends them.
+    /// How the labels look, and how to correct them.
     fn words(self) -> [String; 2] {
-        // Not minus zero.
+        // No minus zero.
         let round = |it: f32| (it * 100.0).round() / 100.0 + 0.0;
         let metres = |[a, b]: [f32; 2]| format!("({:+.2}, {:+.2}) m", round(a), round(b));
         let degrees = |it: f32| format!("{:+.1} degrees", round(it.to_degrees()));
@@ -171,7 +171,7 @@ impl Correction {
         [looks, mend].map(str::to_owned)
     }
 
-    /// The turns, mirror images and exchanges that put boxes where nothing of them is left.
+    /// The turns, mirror images and exchanges that move boxes away from their labelled places.
     pub const ELSEWHERE: [Self; 5] =
         [Self::Turn(FRAC_PI_2), Self::Turn(-FRAC_PI_2), Self::Turn(PI), Self::Mirror, Self::ExchangeAxes];
 }

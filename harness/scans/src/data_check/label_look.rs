@@ -14,45 +14,45 @@ use super::seen_vehicles::{SeenVehicle, SeenVehicles, is_vehicle};
 use crate::annotation::{LabeledScan, PointRegion};
 use crate::dataset::proposal_list::ProposalList;
 
-/// Of fewer vehicles nothing is said.
+/// Nothing is said of fewer vehicles.
 const FEWEST: usize = 5;
-/// So many are enough for a careful look.
+/// This many vehicles are enough for a careful look.
 const ENOUGH: usize = 10;
-/// A change is believed if points fit so much better, of enough vehicles, and of few ones.
+/// A change is believed if points fit this many times as well, for enough vehicles and for few.
 const BELIEVED_GAIN: [f64; 2] = [1.15, 2.0];
-/// And if boxes of the same size keep so much of their points: they lose some where labels are a little off, anyway.
+/// It must also keep this share of the points in boxes of unchanged size: slightly wrong labels lose some anyway.
 const KEPT_POINTS: f64 = 0.9;
-/// And if they surely fit so much better.
+/// Points must also surely fit more than this many times as well.
 const SURE_GAIN: f64 = 1.0;
-/// And if it makes this share of the vehicles better.
+/// It must also fit better for this share of the vehicles.
 const BELIEVED_SHARE: f64 = 0.7;
 
-/// Bottoms of boxes may be so far from the ground, in metres.
+/// Bottoms of boxes may be this far from the ground, in metres.
 const FROM_GROUND_M: f64 = 0.3;
-/// Those that a detector found, if half their height does not explain it.
+/// Bottoms of boxes of a detector may be this far from the ground, unless half their height explains it.
 const OFF_OF_DETECTOR_M: f64 = 1.0;
-/// Heights differ so little from a half of that of the box, in metres.
+/// A height this near to half the height of the box is explained by it, in metres.
 const NEAR_HALF_M: f64 = 0.2;
 
-/// Yaws beyond a turn of fewer boxes, and of a smaller share of them, may only be written with a turn too much.
+/// Fewer yaws beyond a turn, or a smaller share of boxes, may only be written with a turn too much.
 const FEWEST_BEYOND: (usize, f64) = (3, 0.1);
 
 /// Boxes whose ranges differ by less are neighbours, in metres.
 const NEIGHBOURS_M: f32 = 5.0;
-/// So many points are many: the median of neighbours.
+/// The median of the points of neighbours from which on they have many.
 const MANY_POINTS: usize = 50;
-/// So many empty boxes, and this share of those with such neighbours, may be hidden from the sensor; and so may all be where
-/// the share is surely no larger than the last.
+/// This many empty boxes, and this share of the boxes whose neighbours have many points, may be hidden from the sensor; so
+/// may all if their share is not surely larger than the last number.
 const MOST_HIDDEN: (usize, f64, f64) = (2, 0.2, 0.1);
 
-/// Fewer boxes may lie to one side by chance.
+/// Fewer boxes may all lie to one side by chance.
 const FEWEST_OF_SECTOR: usize = 15;
-/// Boxes within this angle, in degrees, and this share of the points elsewhere: only a part may be labelled.
+/// Only a part may be labelled if all boxes lie within this angle, in degrees, and this share of the points elsewhere.
 const SECTOR: (f64, f64) = (150.0, 0.4);
-/// Directions in three quarters of which there are labelled points, where these are all round.
+/// Directions around the sensor; labelled points are all round if they are in three quarters of them.
 const N_DIRECTIONS: usize = 36;
 
-/// What the labels of a few scans look like.
+/// Result of a look at the labels of a few scans.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct LabelLook {
     /// The labelled vehicles near the sensor.
@@ -62,8 +62,8 @@ pub struct LabelLook {
 }
 
 impl LabelLook {
-    /// The labels of `scans`. `next` reads the scans that follow some of them: the index of each in `scans`, and the next
-    /// one.
+    /// Looks at the labels of `scans`. `next` reads the scans that follow some of them, each with the index in `scans` of
+    /// the scan before it.
     pub fn of(scans: &[LabeledScan], next: impl FnOnce() -> Vec<(usize, LabeledScan)>) -> Self {
         let vehicles = SeenVehicles::of(scans, |it| *it);
         let position = position_suspicion(scans, &vehicles, next, DrawnBy::People);
@@ -73,8 +73,8 @@ impl LabelLook {
         Self { vehicles, suspicions }
     }
 
-    /// The same of what a detector found, which stands for the annotations of `scans`: what is wrong with all its boxes at
-    /// once, and no weakness of a detector.
+    /// Looks at boxes of a detector, which stand for the annotations of `scans`. It suspects errors of all boxes at once,
+    /// but no weakness of the detector.
     pub fn of_detections(scans: &[LabeledScan], next: impl FnOnce() -> Vec<(usize, LabeledScan)>) -> Self {
         let vehicles = SeenVehicles::of(scans, |it| *it);
         let position = position_suspicion(scans, &vehicles, next, DrawnBy::Detector);
@@ -91,8 +91,8 @@ impl LabelLook {
         self.vehicles.seen.len() >= FEWEST
     }
 
-    /// Where the points of the most frequent class lie in the frames of its boxes: from above, and from the side. `None` if
-    /// there are too few.
+    /// The points of the most frequent class in the frames of its boxes: seen from above, and from the side. `None` if there
+    /// are too few vehicles.
     pub fn points(&self) -> Option<[BoxPoints; 2]> {
         if !self.is_enough() {
             return None;
@@ -116,7 +116,7 @@ impl LabelLook {
     }
 }
 
-/// The points of `vehicle` along its box and across or up, in metres. From above, the ground is left out.
+/// The points of `vehicle` along its box and across or up, in metres. Seen from above, the ground is left out.
 fn in_frame(vehicle: &SeenVehicle, across: Across) -> Vec<[f32; 2]> {
     let framed = vehicle.around_m.iter().map(|it| vehicle.bounding_box.in_box_frame(*it));
     if across == Across::Up {
@@ -128,7 +128,7 @@ fn in_frame(vehicle: &SeenVehicle, across: Across) -> Vec<[f32; 2]> {
     vehicle.sides_m.iter().map(position_m).map(|[along_m, across_m, _]| [along_m, across_m]).collect()
 }
 
-/// What is suspect about boxes, whoever made them; `position` is about where they lie.
+/// Suspicions about boxes of people or of a detector; `position` is the one about their position.
 fn suspicions_of_boxes(
     scans: &[LabeledScan],
     vehicles: &SeenVehicles,
@@ -141,7 +141,7 @@ fn suspicions_of_boxes(
     let one_of_each = vehicles.one_of_each();
     let degrees = degrees_suspicion(scans, vehicles);
     let sideways = sideways_suspicion(&one_of_each).filter(|_| corrected != Some(Correction::SwapSides));
-    // Yaws in degrees are said once, by what is surest.
+    // Yaws in degrees are reported once, by the surest evidence.
     let position = position.filter(|_| degrees.is_none() || corrected != Some(Correction::YawFromDegrees));
     [degrees, position, sideways, height_suspicion(&one_of_each)].into_iter().flatten().collect()
 }
@@ -189,8 +189,8 @@ fn suspicion_of(correction: Correction, fits: &PairedFits) -> LabelSuspicion {
     LabelSuspicion::Position { correction, gain: fits.gain(), n_vehicles: fits.n_groups() }
 }
 
-/// The best of the changes that put boxes elsewhere, with how well points fit all near boxes without it and with it; one
-/// without points fits nothing.
+/// The best of the changes that move boxes elsewhere, with how well points fit all near boxes without and with it; a box
+/// without points counts 0.
 fn best_elsewhere(scans: &[LabeledScan], vehicles: &SeenVehicles) -> Option<(Correction, PairedFits)> {
     let before = fits_of_near(vehicles);
     let fits = |correction: Correction| {
@@ -276,7 +276,7 @@ fn holes_suspicion(scans: &[LabeledScan]) -> Option<LabelSuspicion> {
         .then_some(LabelSuspicion::Holes { n_empty, n_vehicles })
 }
 
-/// Where points are said to be labelled all round, and only some of them are near boxes.
+/// Whether points are labelled all round, but only some of them are in the sector of the boxes.
 fn sector_suspicion(scans: &[LabeledScan]) -> Option<LabelSuspicion> {
     let azimuth_deg = |[x_m, y_m, _]: [f32; 3]| f64::from(y_m).atan2(f64::from(x_m)).to_degrees();
     let mut azimuths_deg: Vec<f64> = boxes(scans).map(|it| azimuth_deg(it.center_m)).collect();
@@ -285,7 +285,7 @@ fn sector_suspicion(scans: &[LabeledScan]) -> Option<LabelSuspicion> {
     if n_boxes < FEWEST_OF_SECTOR {
         return None;
     }
-    // The sector is what the widest gap between neighbours leaves; each gap with the azimuth behind it.
+    // The sector is the circle without the widest gap between neighbours; each gap comes with the azimuth behind it.
     let next_deg = azimuths_deg.iter().skip(1).copied().chain([azimuths_deg[0] + 360.0]);
     let gaps = azimuths_deg.iter().zip(next_deg).map(|(at_deg, next_deg)| (next_deg - at_deg, next_deg));
     let (gap_deg, first_deg) = gaps.max_by(|a, b| a.0.total_cmp(&b.0))?;
@@ -308,7 +308,7 @@ fn sector_suspicion(scans: &[LabeledScan]) -> Option<LabelSuspicion> {
         .then_some(LabelSuspicion::Sector { width_deg, share_elsewhere, n_boxes })
 }
 
-/// Whether most labels of `scans` are as `list` has them.
+/// The suspicion that most labels of `scans` are boxes of `list`, if they are.
 pub fn proposed_suspicion(scans: &[LabeledScan], list: &ProposalList) -> Option<LabelSuspicion> {
     let n_boxes = boxes(scans).count();
     let n_proposed = boxes(scans).filter(|it| list.contains(it)).count();
@@ -326,7 +326,7 @@ fn degrees_suspicion(scans: &[LabeledScan], vehicles: &SeenVehicles) -> Option<L
     if n_beyond < fewest || n_beyond as f64 <= least_share * n_boxes as f64 {
         return None;
     }
-    // Where points lie along the sides as they are, there is a turn too much and nothing wrong. Degrees are many turns.
+    // If points lie along the sides as they are, the yaws have only a turn too much. Degrees are many turns.
     let turned = Correction::Yaw(std::f32::consts::FRAC_PI_4);
     let beyond = vehicles.seen.iter().filter(|it| is_beyond(&it.bounding_box));
     let fits = beyond.map(|it| (vehicles.object(it), [fit_of(it, Some(turned)), fit_of(it, None)]));

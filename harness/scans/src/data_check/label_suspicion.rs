@@ -1,18 +1,18 @@
-//! What may be wrong with labels, as the points of labelled vehicles show it.
+//! Possible errors of labels, as the points of labelled vehicles show them.
 
 use std::fmt;
 
 use super::label_correction::Correction;
 use crate::dataset::proposal_list::PROPOSALS_CSV;
 
-/// Why labels are suspect, and what mends them.
+/// Why labels are suspect, and how to correct them.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum LabelSuspicion {
-    /// Boxes lie elsewhere than vehicles.
+    /// Boxes lie beside their vehicles.
     Position {
-        /// What mends it.
+        /// The change that corrects it.
         correction: Correction,
-        /// How many times as well points lie along the sides of boxes then.
+        /// How many times as well points lie along the sides of the changed boxes.
         gain: f64,
         /// Vehicles that were looked at.
         n_vehicles: usize,
@@ -21,44 +21,44 @@ pub enum LabelSuspicion {
     Height {
         /// How far bottoms are above the ground, the median in metres.
         above_ground_m: f64,
-        /// What the height is taken for.
+        /// A possible reason.
         taken_for: TakenFor,
         /// Vehicles that were looked at.
         n_vehicles: usize,
     },
     /// Most vehicles are wider than long, but points lie along their sides.
     Sideways {
-        /// Wider ones.
+        /// Vehicles that are wider than long.
         n_wide: usize,
         /// Vehicles that were looked at.
         n_vehicles: usize,
     },
     /// Boxes hold no point where others at the same range hold many.
     Holes {
-        /// Such boxes.
+        /// Boxes without a point.
         n_empty: usize,
-        /// Vehicles among such others.
+        /// Vehicles among boxes with many points.
         n_vehicles: usize,
     },
     /// All boxes lie to one side, as where only the view of a camera is labelled.
     Sector {
         /// The angle around the sensor that holds the centres of all boxes.
         width_deg: f64,
-        /// Share of the points that lie elsewhere.
+        /// Share of the points outside of this angle.
         share_elsewhere: f64,
         /// Labelled boxes that were looked at.
         n_boxes: usize,
     },
     /// Most boxes are as a detector proposed them.
     Proposed {
-        /// Such boxes.
+        /// Boxes that are as proposed.
         n_proposed: usize,
         /// Labelled boxes that were looked at.
         n_boxes: usize,
     },
     /// Yaws are beyond a whole turn.
     Degrees {
-        /// Such yaws.
+        /// Yaws beyond a whole turn.
         n_beyond: usize,
         /// Labelled boxes that were looked at.
         n_boxes: usize,
@@ -66,20 +66,20 @@ pub enum LabelSuspicion {
 }
 
 impl LabelSuspicion {
-    /// The same about boxes that a detector found.
+    /// Its text for boxes of a detector: results instead of labels.
     pub fn about_results(&self) -> String {
         self.to_string().replace("labels", "results")
     }
 }
 
-/// What heights of boxes look like.
+/// Reason why boxes have a wrong height.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum TakenFor {
     /// The height of the bottom stands where that of the centre belongs.
     BottomForCentre,
     /// The height of the centre stands where that of the bottom belongs.
     CentreForBottom,
-    /// Nothing that is known.
+    /// No known reason.
     Unknown,
 }
 

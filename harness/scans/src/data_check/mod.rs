@@ -1,4 +1,4 @@
-//! What a data set is like, and what may be wrong with it, before anything is run on it.
+//! Facts about a data set, and possible errors in it, before anything is run on it.
 
 pub mod scan_facts;
 pub mod empty_boxes;

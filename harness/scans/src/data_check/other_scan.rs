@@ -6,16 +6,16 @@ use super::paired_fits::PairedFits;
 use super::seen_vehicles::{SeenVehicle, SeenVehicles};
 use crate::annotation::LabeledScan;
 
-/// Fewer pairs of scans can agree by chance.
+/// Fewer pairs of scans may agree by chance.
 const FEWEST_PAIRS: usize = 3;
-/// The labels of another scan are believed if they fit so much better, and so well beside the best change of the own ones.
+/// The labels of another scan must fit this many times as well as the own ones, and as the best change of those.
 const BELIEVED_GAIN: [f64; 2] = [1.25, 0.8];
 
-/// The same clouds with their own labels, and with those of the scan before or after: the mean over near vehicles of each
-/// cloud.
+/// Clouds compared with their own labels, and with those of the scan before or after. Each number is the mean over the near
+/// vehicles of a cloud.
 #[derive(Debug, Clone, Default)]
 pub struct OtherScan {
-    /// Which labels are compared with the own ones.
+    /// Whether the other labels are those of the scan after.
     pub is_next: bool,
     /// How well points lie along the sides of boxes.
     pub fits: PairedFits,
@@ -23,13 +23,13 @@ pub struct OtherScan {
     pub n_vehicles: usize,
     // Share of the points around boxes that lie in them.
     interiors: PairedFits,
-    // The best change of the own labels stands before the other ones.
+    // Fits of the own labels with their best change, and of the other labels.
     beside_nearby: PairedFits,
 }
 
 impl OtherScan {
-    /// Compares `scans` with those of `next`, each with the index of the scan that it follows. `nearby` is the best change of
-    /// the own labels.
+    /// Compares `scans` with those of `next`, each with the index of the scan that it follows. `nearby` is the best change
+    /// of the own labels.
     pub fn of(
         scans: &[LabeledScan],
         next: &[(usize, LabeledScan)],
@@ -55,7 +55,7 @@ impl OtherScan {
         Self { is_next, fits, n_vehicles, interiors, beside_nearby }
     }
 
-    /// Whether the labels surely fit the clouds better than the own ones do, and `opposite` ones do not.
+    /// Whether the other labels surely fit the clouds better than the own ones, and better than the `opposite` ones.
     pub fn is_believed(&self, opposite: &Self, sure_gain: f64) -> bool {
         let [gain, beside_best] = BELIEVED_GAIN;
         self.fits.n_groups() >= FEWEST_PAIRS
@@ -67,7 +67,7 @@ impl OtherScan {
     }
 }
 
-/// The mean of `value` over near vehicles; 0 of those without points.
+/// The mean of `value` over near vehicles; a vehicle without points counts 0.
 fn mean(vehicles: &SeenVehicles, value: impl Fn(&SeenVehicle) -> f64) -> f64 {
     vehicles.seen.iter().map(value).sum::<f64>() / vehicles.objects.len().max(1) as f64
 }

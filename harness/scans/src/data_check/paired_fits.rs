@@ -1,25 +1,25 @@
-//! How well points fit boxes before and after a change: of the same vehicles, on the same clouds, and how surely.
+//! Fits of points to boxes before and after a change, paired for the same vehicles and clouds, and how sure their gain is.
 
 use std::collections::BTreeMap;
 
 use statrs::distribution::{ContinuousCDF as _, StudentsT};
 
-/// What fits worse than this is as good as nothing.
+/// Worse fits are taken as this one.
 const LEAST_FIT: f64 = 0.02;
-/// How often a gain is at least as large as it surely is.
+/// Confidence that a gain is at least as large as its limit.
 const CONFIDENCE: f64 = 0.95;
-/// A share as large as this comes by chance once in so many times, and is no chance then.
+/// A number of cases is no chance if chance gives as many with this probability at most.
 const CHANCE: f64 = 0.035;
 
-/// Two numbers for each of some groups, which are independent: before a change, and after it. What one object or one pair of
-/// scans has several of is a group.
+/// Two numbers for each of some independent groups: before a change, and after it. All pairs of numbers of one object, or of
+/// one pair of scans, are a group.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct PairedFits {
     of_groups: Vec<[f64; 2]>,
 }
 
 impl PairedFits {
-    /// Those of `pairs`, each with the name of its group.
+    /// Sums `pairs` by the name of their group.
     pub fn of<Key: Ord>(pairs: impl IntoIterator<Item = (Key, [f64; 2])>) -> Self {
         let mut sums: BTreeMap<Key, [f64; 2]> = BTreeMap::new();
         for (key, [before, after]) in pairs {
@@ -34,13 +34,13 @@ impl PairedFits {
         self.of_groups.len()
     }
 
-    /// How many times as large it is after the change.
+    /// The ratio of the means after and before the change.
     pub fn gain(&self) -> f64 {
         let [before, after] = self.means();
         after / before.max(LEAST_FIT)
     }
 
-    /// Whether it is surely more than `gain` times as large: by Student's t of the groups' differences (Fieller's limit of a
+    /// Whether the ratio is surely greater than `gain`: by Student's t of the groups' differences (Fieller's limit of a
     /// ratio).
     pub fn is_surely_over(&self, gain: f64) -> bool {
         let n = self.n_groups() as f64;
@@ -55,7 +55,7 @@ impl PairedFits {
         mean > student.inverse_cdf(CONFIDENCE) * (variance / n).sqrt()
     }
 
-    /// Share of the groups in which it is larger after the change.
+    /// Share of the groups whose number is larger after the change.
     pub fn share_larger(&self) -> f64 {
         let n_larger = self.of_groups.iter().filter(|[before, after]| after > before).count();
         n_larger as f64 / self.n_groups().max(1) as f64
@@ -67,9 +67,9 @@ impl PairedFits {
     }
 }
 
-/// Whether `n_such` of `n` are surely more than `share` of all that could be: the binomial test.
+/// Whether `n_such` of `n` cases show that their share is surely more than `share`: the binomial test.
 pub fn is_surely_more_than(share: f64, n_such: usize, n: usize) -> bool {
-    // From the most likely number of such ones on, terms become smaller: what is left out is nothing.
+    // From the most likely number of cases on, terms become smaller: the rest is nothing.
     let log_term = |k: usize| {
         let choose = (1..=k).map(|it| ((n - k + it) as f64 / it as f64).ln()).sum::<f64>();
         choose + k as f64 * share.ln() + (n - k) as f64 * (1.0 - share).ln()

@@ -1,28 +1,28 @@
-//! Points at one position, as drivers write them for beams without a return.
+//! Points at one position, which drivers write for beams without a return.
 
 use detector::PointCloud;
 
-/// Points of a scan that are looked at.
+/// Number of points of a scan that are sampled.
 const N_SAMPLED: usize = 4096;
 
-/// Fewer points say nothing.
+/// Scans with fewer points are passed over.
 const MIN_POINTS: usize = 100;
 
-/// A greater share at one position was not measured there.
+/// If a greater share of the points is at one position, it was not measured there.
 const MAX_SHARE: f64 = 0.02;
 
-/// Points of some scans that share a position.
+/// Points of a scan that share one position.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct SamePosition {
-    /// Share of all points that are there.
+    /// Their share of all points.
     pub share: f64,
     /// The position, in metres.
     pub position_m: [f32; 3],
 }
 
 impl SamePosition {
-    /// The position of `clouds` that a notable share of the points of one of them has, if there is one; that of the cloud
-    /// with the greatest.
+    /// The position that a notable share of the points of one of `clouds` has; of several the one with the greatest share.
+    /// `None` if there is none.
     pub fn of<'a>(clouds: impl IntoIterator<Item = &'a PointCloud>) -> Option<Self> {
         let of_clouds = clouds.into_iter().filter(|it| it.len() >= MIN_POINTS).filter_map(Self::of_cloud);
         let notable = of_clouds.filter(|it| it.share > MAX_SHARE);

@@ -1,4 +1,4 @@
-//! What there is to know about one scan.
+//! Facts about one scan.
 
 use std::f32::consts::PI;
 use std::hash::{DefaultHasher, Hash as _, Hasher as _};
@@ -11,10 +11,10 @@ use crate::annotation::{LabeledScan, PointRegion};
 /// Points are counted between these distances, in metres on the ground plan.
 pub const RANGES_M: [f32; 5] = [0.0, 10.0, 20.0, 40.0, 80.0];
 
-/// The ground is looked for between these distances, in metres: nearer there is the car, farther slopes matter.
+/// The ground is looked for between these distances, in metres: the car is nearer, and slopes matter farther away.
 const GROUND_RANGE_M: [f32; 2] = [4.0, 12.0];
 
-/// The ground is looked for in squares of this side, in metres; a square needs so many points to count.
+/// The ground is looked for in squares of this side, in metres; a square counts if it has this many points.
 const GROUND_SQUARE_M: f32 = 2.0;
 const MIN_SQUARE_POINTS: usize = 5;
 
@@ -25,33 +25,33 @@ pub struct ScanFacts {
     pub n_points: usize,
     /// Points of the file without a position, which are left out.
     pub n_without_position: usize,
-    /// Points at exactly the position of another one.
+    /// Points at exactly the same position as another one.
     pub n_duplicates: usize,
     /// Points in each of the rings between [`RANGES_M`].
     pub n_by_range: [usize; RANGES_M.len() - 1],
     /// Height of the ground near the sensor, in metres; `None` if nothing is seen there.
     pub ground_z_m: Option<f32>,
-    /// Points that labels say something about.
+    /// Points that the labels cover.
     pub n_labeled: usize,
     /// The annotations.
     pub annotations: Vec<AnnotationFacts>,
-    /// Distinguishes scans: the same points in the same order have the same.
+    /// A number that distinguishes scans: it is the same for the same points in the same order.
     pub fingerprint: u64,
 }
 
 /// One annotation in numbers.
 #[derive(Debug, Clone, PartialEq)]
 pub struct AnnotationFacts {
-    /// What it is.
+    /// Its class.
     pub class: AnnotationClass,
-    /// How far away the centre of its box is, in metres on the ground plan; `None` if it has none.
+    /// Distance of the centre of its box, in metres on the ground plan; `None` if it has no box.
     pub box_range_m: Option<f32>,
-    /// Its points.
+    /// Number of its points.
     pub n_points: usize,
 }
 
 impl ScanFacts {
-    /// Those of `scan`.
+    /// Computes the facts of `scan`.
     pub fn of(scan: &LabeledScan) -> Self {
         let cloud = &scan.cloud;
         let annotations = scan.annotations.iter().map(|it| AnnotationFacts {
@@ -95,7 +95,7 @@ pub fn ring_areas_m2() -> [f32; RANGES_M.len() - 1] {
     std::array::from_fn(|ring| PI * (RANGES_M[ring + 1].powi(2) - RANGES_M[ring].powi(2)))
 }
 
-/// The median, over squares near the sensor, of the lowest points but one in twenty.
+/// The median over squares near the sensor of a low height of each: a twentieth of its points are lower.
 fn ground_z_m(cloud: &PointCloud) -> Option<f32> {
     let mut by_square: std::collections::BTreeMap<[i32; 2], Vec<f32>> = std::collections::BTreeMap::new();
     for position_m in cloud.positions_m() {

@@ -1,4 +1,4 @@
-//! Where the ground is in the frame of a scan, and so how high and how tilted the sensor is.
+//! The ground in the frame of a scan, and so how high and how tilted the sensor is.
 
 use std::collections::BTreeMap;
 
@@ -10,34 +10,34 @@ use reports::vocabulary::named::named;
 
 /// Height is measured on squares nearer than this, in metres: roads are not quite plane.
 const NEAR_M: f64 = 9.0;
-/// The ground is looked for between these distances, in metres: nearer there is the car, farther there are slopes.
+/// The ground is looked for between these distances, in metres: the car is nearer, and slopes are farther away.
 const RANGE_M: [f64; 2] = [2.0, 20.0];
-/// Points of a scan that are enough.
+/// More points of a scan are not needed.
 const ENOUGH_POINTS: usize = 40_000;
-/// It is looked for in squares of this side, in metres; a square needs so many points to count.
+/// The ground is looked for in squares of this side, in metres; a square counts if it has this many points.
 const SQUARE_M: f64 = 1.5;
 const MIN_SQUARE_POINTS: usize = 5;
-/// Squares that see the ground lie this close to one plane, in metres.
+/// The low points of squares that show the ground lie this close to one plane, in metres.
 const ON_PLANE_M: f64 = 0.12;
-/// What lies this far below the plane speaks against it, in metres.
+/// Points this far below the plane count against it, in metres.
 const BELOW_PLANE_M: f64 = 0.3;
-/// Planes that are tried.
+/// Number of planes that are tried.
 const N_TRIALS: usize = 400;
-/// Steeper ground is none.
+/// Steeper planes are no ground.
 const MAX_TILT_DEG: f64 = 20.0;
-/// Heights of origins above the ground, in metres: on it as in frames of cars, and higher than sensors are mounted.
+/// Heights of origins above the ground, in metres: from on the ground, as in frames of cars, to above any sensor.
 const HEIGHTS_M: [f64; 2] = [-0.5, 6.0];
 /// Fewest squares on the ground, in all scans together.
 const MIN_SQUARES: usize = 15;
-/// If z sees the ground in this share of the squares, no other axis is asked.
+/// If this share of the squares shows the ground with z up, no other axis is tried.
 const CLEAR_SHARE: f64 = 0.5;
-/// Another axis points up if the ground that it sees is so much larger.
+/// Another axis points up if its ground is this many times as large.
 const CLEARLY_LARGER: f64 = 1.5;
 
 /// The ground around a sensor as a plane.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct SeenGround {
-    /// Which way is up, a unit vector in the frame of the scan.
+    /// The direction of up, a unit vector in the frame of the scan.
     pub up: [f64; 3],
     /// How high the origin is above it, in metres.
     pub height_m: f64,
@@ -65,8 +65,8 @@ named! {
 }
 
 impl UpAxis {
-    /// A turn that puts the axis up, as a file of `--transform` has it: rows of rotation and shift. Where the format of
-    /// cameras or of computer graphics is likely, forward is theirs; otherwise as little as possible is turned.
+    /// A turn that puts the axis up, in the form of a file of `--transform`: rows of rotation and shift. Where the frame of
+    /// cameras or of computer graphics is likely, forward is theirs; otherwise the turn is as small as possible.
     pub fn sensor_from_file(self) -> &'static str {
         match self {
             Self::Z => "1 0 0 0  0 1 0 0  0 0 1 0",
@@ -91,8 +91,7 @@ impl UpAxis {
 }
 
 impl SeenGround {
-    /// The ground below the sensor in `clouds`, all of one frame, if `axis` points up, more or less; `None` if there is
-    /// none.
+    /// The ground below the sensor in `clouds`, all of one frame, if about `axis` points up; `None` if there is none.
     pub fn of<'a>(clouds: impl IntoIterator<Item = &'a PointCloud>, axis: UpAxis) -> Option<Self> {
         let to_upright = UnitQuaternion::rotation_between(&axis.direction(), &Vector3::z())
             .unwrap_or_else(|| UnitQuaternion::from_axis_angle(&Vector3::x_axis(), std::f64::consts::PI));
@@ -104,8 +103,8 @@ impl SeenGround {
         Some(Self { up: up.into(), height_m, share, n_squares: n_on })
     }
 
-    /// The axis that points up in `clouds`, with the ground that it sees: z unless another one sees much more of it. `None`
-    /// if no axis sees any.
+    /// The axis that points up in `clouds`, with its ground: z unless another one shows much more ground. `None` if no axis
+    /// shows any.
     pub fn with_axis(clouds: &[&PointCloud]) -> Option<(UpAxis, Self)> {
         let seen = |axis| Some((axis, Self::of(clouds.iter().copied(), axis)?));
         let upright = seen(UpAxis::Z);
@@ -122,12 +121,12 @@ impl SeenGround {
         }
     }
 
-    /// How far up is from z, in degrees.
+    /// The angle between up and z, in degrees.
     pub fn tilt_deg(&self) -> f64 {
         self.up[2].clamp(-1.0, 1.0).acos().to_degrees()
     }
 
-    /// The turn by the shortest way that puts the ground level, and leaves the origin where it is.
+    /// The smallest turn that levels the ground; it leaves the origin where it is.
     pub fn levelling(&self) -> Isometry3<f64> {
         let turn = UnitQuaternion::rotation_between(&Vector3::from(self.up), &Vector3::z())
             .unwrap_or_else(|| UnitQuaternion::from_axis_angle(&Vector3::x_axis(), std::f64::consts::PI));
@@ -135,7 +134,7 @@ impl SeenGround {
     }
 }
 
-/// The lowest point but one in twenty of every square around the origin, in a frame whose z points up.
+/// A low point of every square around the origin, in a frame whose z points up: a twentieth of its points are lower.
 fn lowest_of_squares(cloud: &PointCloud, to_upright: &UnitQuaternion<f64>) -> Vec<Vector3<f64>> {
     let mut by_square: BTreeMap<[i32; 2], Vec<Vector3<f64>>> = BTreeMap::new();
     let step = cloud.len().div_ceil(ENOUGH_POINTS).max(1);
@@ -154,7 +153,7 @@ fn lowest_of_squares(cloud: &PointCloud, to_upright: &UnitQuaternion<f64>) -> Ve
     squares.map(lowest).collect()
 }
 
-/// Normal, height of the origin and number of `points_m` of the plane that most of them lie on and few below.
+/// The plane with most of `points_m` on it and few below: normal, height of the origin, number of points on it.
 fn best_plane(points_m: &[Vector3<f64>]) -> Option<(Vector3<f64>, f64, usize)> {
     if points_m.len() < MIN_SQUARES {
         return None;
@@ -178,7 +177,7 @@ fn best_plane(points_m: &[Vector3<f64>]) -> Option<(Vector3<f64>, f64, usize)> {
     (n_on >= MIN_SQUARES).then_some((normal.into_inner(), height_m, n_on))
 }
 
-/// The median height over the near ones of `points_m` that lie about the plane; that over the plane if there are too few.
+/// The median height over the near ones of `points_m` close to the plane; the height over the plane if there are too few.
 fn near_height_m(points_m: &[Vector3<f64>], normal: &UnitVector3<f64>, height_m: f64) -> f64 {
     let near = points_m.iter().filter(|it| it.x.hypot(it.y) < NEAR_M).map(|it| -normal.dot(it));
     let mut heights_m: Vec<f64> = near.filter(|it| (it - height_m).abs() <= BELOW_PLANE_M).collect();
@@ -207,7 +206,7 @@ fn worth(points_m: &[Vector3<f64>], (normal, height_m): (UnitVector3<f64>, f64))
         .sum()
 }
 
-/// The plane with the least squares to the points on a plane.
+/// The plane of least squares through the points that lie on the given one.
 fn refined(
     points_m: &[Vector3<f64>],
     normal: UnitVector3<f64>,
@@ -252,7 +251,7 @@ mod tests {
             };
             for level in 0..=(top_m / 0.5) as i32 {
                 let z_m = 0.5 * f64::from(level) - height_m;
-                // Below what is seen through a roof there is no road.
+                // Below a roof that is seen there is no road.
                 if top_m == 0.0 || z_m > 0.3 - height_m {
                     let at_m = turn * Vector3::new(x_m, y_m, z_m);
                     cloud.push([at_m.x, at_m.y, at_m.z].map(|it| it as f32), 0.0);

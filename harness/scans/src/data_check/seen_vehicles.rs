@@ -1,4 +1,4 @@
-//! Labelled vehicles with the points around them: what labels are compared with.
+//! Labelled vehicles with the points around them, which labels are compared with.
 
 use std::collections::BTreeSet;
 
@@ -9,29 +9,29 @@ use crate::annotation::{Annotation, LabeledScan};
 
 /// Vehicles farther away are not looked at, in metres.
 const MAX_RANGE_M: f32 = 40.0;
-/// What is looked at around a box, beyond half its diagonal, in metres.
+/// Points are taken this far beyond half the diagonal of a box, in metres.
 const AROUND_M: f32 = 2.0;
-/// Fewer points above the ground say nothing.
+/// Vehicles with fewer points are passed over.
 const MIN_POINTS: usize = 20;
 /// More points of a vehicle are not needed.
 const ENOUGH_POINTS: usize = 200;
 /// Sides of vehicles lie between these heights above the ground, in metres.
 const SIDES_M: [f32; 2] = [0.3, 2.2];
-/// One point in so many may lie below the ground.
+/// One point in this many may lie below the ground.
 const BELOW_GROUND: usize = 20;
 
-/// A vehicle as labelled, and what the sensor saw around it, in the sensor frame.
+/// A labelled vehicle with the points around it, in the sensor frame.
 #[derive(Debug, Clone, PartialEq)]
 pub struct SeenVehicle {
-    /// Its number among all near vehicles.
+    /// Its index among all near vehicles.
     pub near_idx: usize,
-    /// What it is.
+    /// Its class.
     pub class: AnnotationClass,
     /// Its labelled box.
     pub bounding_box: OrientedBox,
     /// Some of the points around it, in metres.
     pub around_m: Vec<[f32; 3]>,
-    /// Some of those that are as high above the ground as sides of vehicles, seen from above, in metres.
+    /// Some of the points around it at the height of sides of vehicles, seen from above, in metres.
     pub sides_m: Vec<[f32; 2]>,
     /// Height of the ground around it, in metres.
     pub ground_z_m: f32,
@@ -40,14 +40,14 @@ pub struct SeenVehicle {
 /// Labelled vehicles near the sensor.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct SeenVehicles {
-    /// Which object each is, with points around it or without: what several scans show is the same one.
+    /// Name of the object of each near vehicle, with or without points around it; the same for one object in several scans.
     pub objects: Vec<String>,
-    /// Those with enough points around them.
+    /// The near vehicles with enough points around them.
     pub seen: Vec<SeenVehicle>,
 }
 
 impl SeenVehicles {
-    /// Those of `scans`, their boxes `moved`.
+    /// The vehicles of `scans`, with their boxes `moved`.
     pub fn of(scans: &[LabeledScan], moved: impl Fn(&OrientedBox) -> OrientedBox) -> Self {
         let mut vehicles = Self::default();
         for scan in scans {
@@ -56,7 +56,7 @@ impl SeenVehicles {
         vehicles
     }
 
-    /// Adds the vehicles of `scan`. A box is `moved` first, as the search for what is wrong with it asks.
+    /// Adds the vehicles of `scan`. `moved` changes each box first, to try a correction.
     pub fn add(&mut self, scan: &LabeledScan, moved: impl Fn(&OrientedBox) -> OrientedBox) {
         // A cloud without points says nothing about labels.
         if scan.cloud.is_empty() {
@@ -80,7 +80,7 @@ impl SeenVehicles {
         self.seen.iter().filter(|it| known.insert(self.object(it))).collect()
     }
 
-    /// Which object `vehicle`, one of the seen ones, is.
+    /// Name of the object of `vehicle`, one of the seen ones.
     pub fn object(&self, vehicle: &SeenVehicle) -> &str {
         &self.objects[vehicle.near_idx]
     }
@@ -100,7 +100,7 @@ pub(super) fn is_vehicle(class: AnnotationClass) -> bool {
 }
 
 impl SeenVehicle {
-    /// `None` if there are too few points around it.
+    /// The vehicle with its points; `None` if there are too few.
     fn of(cloud: &PointCloud, class: AnnotationClass, bounding_box: OrientedBox) -> Option<Self> {
         let [length_m, width_m, _] = bounding_box.length_width_height_m;
         let [center_x_m, center_y_m, _] = bounding_box.center_m;
@@ -133,7 +133,7 @@ impl SeenVehicle {
     }
 }
 
-/// As many as are enough, spread over all.
+/// [`ENOUGH_POINTS`] of the points at most, spread over all.
 fn thinned<T: Copy>(points: Vec<T>) -> Vec<T> {
     if points.len() <= ENOUGH_POINTS {
         return points;

@@ -18,9 +18,9 @@ use super::source::{ChosenParts, TopicChoice};
 use super::text_file::read_text_file;
 use super::{AnnotatedClasses, DatasetError};
 
-/// What a catalogue says of a simulated data set, in the simulator's own words.
+/// Entry of a catalogue for a simulated data set, in the simulator's own words.
 pub trait SimulatedEntry: DeserializeOwned {
-    /// Says what cannot be simulated.
+    /// Checks that it can be simulated.
     ///
     /// # Errors
     ///
@@ -28,7 +28,7 @@ pub trait SimulatedEntry: DeserializeOwned {
     fn check(&self) -> Result<(), String>;
 }
 
-/// What data sets there are, by id; `S` is what is said of a simulated one.
+/// The known data sets, by id; `S` is the entry of a simulated one.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Catalogue<S> {
     /// Data sets on disk.
@@ -45,7 +45,7 @@ impl<S> Catalogue<S> {
         self.simulated.keys().chain(self.recorded.keys())
     }
 
-    /// The data sets that `name` stands for: those of a group, else itself.
+    /// The data sets of the group `name`; `name` itself if it is no group.
     pub fn members<'a>(&'a self, name: &'a String) -> &'a [String] {
         self.groups.get(name).map_or(std::slice::from_ref(name), Vec::as_slice)
     }
@@ -56,13 +56,13 @@ impl<S> Catalogue<S> {
 pub struct CatalogueEntry {
     /// Its format.
     pub format: DatasetFormat,
-    /// Which part of it is meant.
+    /// The parts of it that are read.
     pub parts: ChosenParts,
-    /// Where it lies.
+    /// The folder that holds it.
     pub root: RootTemplate,
-    /// A text file below the root that lists the numbers of the scans to read, one a line, if it has one.
+    /// A text file below the root that lists the numbers of the scans to read, one per line; `None` to read all.
     pub scan_list: Option<PathBuf>,
-    /// What its annotations cover.
+    /// The classes that its annotations cover.
     pub annotated: AnnotatedClasses,
     /// Height of the sensor above the road, in metres.
     pub sensor_height_m: f32,
@@ -72,15 +72,15 @@ pub struct CatalogueEntry {
     pub licence: Option<String>,
     /// The page of its licence, where known.
     pub licence_url: Option<String>,
-    /// Where to get it, if anywhere.
+    /// The page to get it from, if any.
     pub url: Option<String>,
-    /// What of it can be fetched without a login, if anything.
+    /// The files of it that can be fetched without a login, if any.
     pub download: Option<Download>,
-    /// The checksum its files must have, as [`checksum`](super::checksum) describes it.
+    /// The checksum that its files must have, as [`checksum`](super::checksum) describes it.
     pub checksum: Option<String>,
-    /// What names of classes in its labels stand for.
+    /// The classes that names in its labels stand for.
     pub classes: ClassTable,
-    /// The columns of points in files that do not name them, if they are said.
+    /// The columns of points in files that do not name them, if given.
     pub columns: Option<PointColumns>,
 }
 
@@ -89,7 +89,7 @@ pub fn read_catalogue<S: SimulatedEntry>(path: &Path) -> Result<Catalogue<S>, Da
     parse_catalogue(&path.display().to_string(), &read_text_file(path)?)
 }
 
-/// Reads the catalogue in `text`, which errors call `name`.
+/// Reads the catalogue in `text`; errors name it `name`.
 pub fn parse_catalogue<S: SimulatedEntry>(name: &str, text: &str) -> Result<Catalogue<S>, DatasetError> {
     let source = CatalogueText { name, text };
     let written: WrittenCatalogue<S> = toml::from_str(text)
@@ -144,7 +144,7 @@ struct WrittenCatalogue<S> {
     groups: BTreeMap<Spanned<String>, Spanned<Vec<String>>>,
 }
 
-/// An entry as it is written, of which fields may be missing, with the positions of what can be wrong.
+/// An entry as written, which may lack fields, with the positions of the fields that can be wrong.
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
 struct WrittenEntry {
@@ -173,7 +173,7 @@ fn kitti_sensor() -> String {
     KITTI_SENSOR.to_owned()
 }
 
-/// The text errors point into.
+/// The text that errors point into.
 struct CatalogueText<'a> {
     name: &'a str,
     text: &'a str,
@@ -187,7 +187,7 @@ impl CatalogueText<'_> {
     }
 }
 
-/// What `written` says, if it lacks nothing that is needed; all that it lacks is named at once.
+/// Makes an entry of `written`; the error names all missing fields at once.
 fn entry_from_written(
     id: &Spanned<String>,
     written: WrittenEntry,
@@ -248,7 +248,7 @@ fn entry_from_written(
     })
 }
 
-/// Makes sure that what is shown can be, and that what is fetched is below its address.
+/// Checks that texts to show are printable, and that files to fetch are below their address.
 fn check_texts(written: &WrittenEntry, at: usize, source: &CatalogueText<'_>) -> Result<(), DatasetError> {
     let texts = [
         ("sensor", Some(&written.sensor)),
@@ -314,7 +314,7 @@ fn parts(
     })
 }
 
-/// Whether `name` is one name, that leads neither up nor elsewhere.
+/// Whether `name` is a single name that leads neither up nor elsewhere.
 fn is_file_name(name: &str) -> bool {
     let mut components = Path::new(name).components();
     matches!((components.next(), components.next()), (Some(Component::Normal(only)), None) if only == name)

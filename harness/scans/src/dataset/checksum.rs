@@ -1,11 +1,11 @@
 //! Checksums that show whether data changed, and are cheap enough for every run.
 //!
-//! That of a data set is taken when it is opened; that of each scan as it is read is [`checksum_as_read`]. The former is the
-//! SHA-256 of sorted lines, each ended by a newline:
+//! The checksum of a data set is computed when it is opened, and that of each scan as it is read ([`checksum_as_read`]). The
+//! former is the SHA-256 of sorted lines, each ended by a newline:
 //!
-//! - `scan NAME SIZE` for every scan file and every file with a label a point, SIZE in bytes. Scans are by far the most of
-//!   the data; hashing their contents would take longer than opening the data set. What changes and keeps its size shows in
-//!   the checksums of the scans that are read.
+//! - `scan NAME SIZE` for every scan file and every file with a label for each point, SIZE in bytes. Scans are by far the
+//!   most of the data; hashing their contents would take longer than opening the data set. A change that keeps the size of a
+//!   file shows in the checksums of the scans that are read.
 //! - `text NAME SHA256` for every label and calibration file, over its content.
 //! - `image NAME WIDTHxHEIGHT` for the image size, in pixels, that the labelled region of the scan or sequence NAME is
 //!   computed with.
@@ -20,7 +20,7 @@ use super::DatasetError;
 use super::on_disk::n_bytes_of;
 use crate::annotation::{Annotation, LabeledScan};
 
-/// Collects what a data set is made of.
+/// Collects the files of a data set.
 #[derive(Debug, Clone, Default)]
 pub struct DatasetChecksum {
     lines: Vec<String>,
@@ -43,7 +43,7 @@ impl DatasetChecksum {
         self.add_hashed(name, &sha256(content));
     }
 
-    /// Adds such a file by the SHA-256 of its content.
+    /// Adds a label or calibration file by the SHA-256 of its content.
     pub fn add_hashed(&mut self, name: &str, sha256: &str) {
         self.lines.push(format!("text {name} {sha256}\n"));
     }
@@ -65,7 +65,7 @@ impl DatasetChecksum {
 pub struct ContentChecksum(Sha256);
 
 impl ContentChecksum {
-    /// Adds what comes next.
+    /// Adds the next bytes.
     pub fn add(&mut self, bytes: &[u8]) {
         self.0.update(bytes);
     }
@@ -78,8 +78,7 @@ impl ContentChecksum {
     }
 }
 
-/// CRC-32 of all of a scan that numbers are made of, as it was read: points, annotations, and what the labels say nothing
-/// about.
+/// CRC-32 of all values of a scan that results depend on, as it was read: points, annotations, and the parts without labels.
 ///
 /// [`DatasetChecksum`] is of the files of a data set before any of them is read, so it takes large ones by their size. This
 /// one also changes with labels that kept their size, with another transform, and with other names of classes.

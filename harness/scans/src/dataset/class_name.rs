@@ -1,9 +1,9 @@
-//! What annotation tools, recordings and other data sets call the classes.
+//! Names of classes in annotation tools, recordings and other data sets.
 
 use reports::vocabulary::class::AnnotationClass;
 
-/// The class that `name` stands for, in whatever spelling: ours, KITTI's, that of nuScenes or Argoverse 2, or a plain word;
-/// `None` if it stands for nothing known.
+/// The class that `name` stands for, in any spelling: ours, KITTI's, that of nuScenes or Argoverse 2, or a plain word;
+/// `None` if it is unknown.
 pub fn class_named(name: &str) -> Option<AnnotationClass> {
     use AnnotationClass as Class;
     let name = plain_name(name);
@@ -57,13 +57,13 @@ pub fn class_named(name: &str) -> Option<AnnotationClass> {
         | "mobile-pedestrian-sign"
         | "mobile-pedestrian-crossing-sign"
         | "streetfurniture" => Class::StreetFurniture,
-        // Labelled by the makers of data sets, and nothing of ours.
+        // Classes that the makers of data sets label and we do not have.
         "animal" | "dog" | "vehicle-construction" => Class::Misc,
         _ => return None,
     })
 }
 
-/// Words in names that say what it is, in the spelling of [`plain_name`], and what that makes likely.
+/// Words in names, in the spelling of [`plain_name`], with the class that they make likely.
 const CLASS_WORDS: &[(&str, AnnotationClass)] = &[
     ("trailer", AnnotationClass::Trailer),
     ("tram", AnnotationClass::Tram),
@@ -122,7 +122,7 @@ pub fn likeliest_class(name: &str) -> AnnotationClass {
     let plain = plain_name(&spaced);
     let words: Vec<&str> =
         plain.split('-').map(|it| it.trim_end_matches(|it: char| it.is_ascii_digit())).collect();
-    // *vehicle* and *object* say less than what stands beside them.
+    // *vehicle* and *object* say less than the words beside them.
     let class_of_word = |word: &&str| {
         let singular = word.strip_suffix('s').unwrap_or(word);
         let of_word = |it: &str| CLASS_WORDS.iter().find(|(word, _)| *word == it).map(|(_, class)| *class);
@@ -134,7 +134,7 @@ pub fn likeliest_class(name: &str) -> AnnotationClass {
     special.or_else(general).unwrap_or(AnnotationClass::Misc)
 }
 
-/// `name` without what spellings differ in: lower case, and one `-` for whatever stands between letters and digits.
+/// `name` in one spelling: lower case, and one `-` for all that stands between letters and digits.
 pub fn plain_name(name: &str) -> String {
     let words = name.split(|it: char| !it.is_alphanumeric()).filter(|word| !word.is_empty());
     words.map(str::to_lowercase).collect::<Vec<_>>().join("-")

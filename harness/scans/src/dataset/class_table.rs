@@ -1,4 +1,4 @@
-//! What the names of classes in labels stand for, as the user says and as is known, and which do not.
+//! Classes of the names in labels, by the user and by what is known, and the unknown names.
 
 use std::collections::BTreeMap;
 use std::fmt::Write as _;
@@ -9,13 +9,13 @@ use reports::vocabulary::class::AnnotationClass;
 use super::class_name::{class_named, likeliest_class, plain_name};
 use super::{AnnotatedClasses, DatasetError};
 
-/// More names than this are not listed.
+/// At most this many names are listed.
 const MAX_LISTED: usize = 50;
 
-/// The classes that the user gave names of labels; has the last word about each of them.
+/// The classes that the user gave to names in labels, which override all others.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
 pub struct ClassTable {
-    // By the name without what spellings differ in: the name as written, and its class.
+    // By the name in one spelling: the name as written, and its class.
     by_name: BTreeMap<String, (String, AnnotationClass)>,
 }
 
@@ -25,7 +25,7 @@ impl ClassTable {
         self.by_name.insert(plain_name(name), (name.to_owned(), class));
     }
 
-    /// This table, and what `other` says beyond it.
+    /// This table, extended by the names that only `other` has.
     #[must_use]
     pub fn or(&self, other: &Self) -> Self {
         let mut both = other.clone();
@@ -44,7 +44,7 @@ impl ClassTable {
     }
 }
 
-/// The class that a user calls `word`. Errors say which there are.
+/// The class that a user calls `word`. Errors list the classes.
 pub fn class_of_word(word: &str) -> Result<AnnotationClass, String> {
     class_named(word).ok_or_else(|| format!("{word:?} is not a class; classes are {}", all_classes()))
 }
@@ -53,7 +53,7 @@ fn all_classes() -> String {
     AnnotationClass::ALL.map(AnnotationClass::name).join(", ")
 }
 
-/// What becomes of names that stand for nothing known.
+/// Handling of unknown names.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub enum UnknownNames {
     /// They are errors, all at once.
@@ -66,11 +66,11 @@ pub enum UnknownNames {
 /// How a reader makes classes of names.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct ClassRules {
-    /// What the user says.
+    /// The table of the user.
     pub table: ClassTable,
-    /// What becomes of names that nobody knows.
+    /// Handling of unknown names.
     pub unknown: UnknownNames,
-    /// The classes that the catalogue says are labelled.
+    /// The classes that are labelled according to the catalogue.
     pub catalogued: AnnotatedClasses,
 }
 
@@ -81,16 +81,16 @@ impl Default for ClassRules {
     }
 }
 
-/// For where classes do not matter: no name is refused.
+/// Rules for work without classes: no name is refused.
 pub fn whatever_classes() -> ClassRules {
     ClassRules { unknown: UnknownNames::TakeAsMisc, ..ClassRules::default() }
 }
 
-/// Names of a format that mean something else than the plain word.
+/// Names of a format that mean another class than the plain word.
 pub type Vocabulary = [(&'static str, AnnotationClass)];
 
 impl ClassRules {
-    /// The class of `name`: the user's word for it counts first, then that of the format, then what is known of all formats.
+    /// The class of `name`: first by the user's table, then by the format, then by the names that are known for all formats.
     pub fn class_of(&self, name: &str, vocabulary: &Vocabulary) -> Option<AnnotationClass> {
         let plain = plain_name(name);
         let of_format = || vocabulary.iter().find(|(it, _)| plain_name(it) == plain).map(|(_, class)| *class);
@@ -99,7 +99,7 @@ impl ClassRules {
     }
 }
 
-/// Makes classes of the names in labels, and keeps those that stand for nothing known.
+/// Makes classes of the names in labels, and keeps the unknown names.
 #[derive(Debug, Clone)]
 pub struct ClassReader<'a> {
     rules: &'a ClassRules,
@@ -113,7 +113,7 @@ impl<'a> ClassReader<'a> {
         Self { rules, vocabulary, unknown: UnknownClasses::default() }
     }
 
-    /// The class of `name`, which stands at `position`; `None` if it stands for nothing known, which is noted.
+    /// The class of `name`, which stands at `position`; `None` if the name is unknown, which is noted.
     pub fn class_of(&mut self, name: &str, position: impl FnOnce() -> String) -> Option<AnnotationClass> {
         let class = self.rules.class_of(name, self.vocabulary);
         if class.is_none() {
@@ -122,7 +122,7 @@ impl<'a> ClassReader<'a> {
         class
     }
 
-    /// Whether the catalogue says that `class` is not labelled.
+    /// Whether `class` is not labelled according to the catalogue.
     pub fn contradicts_catalogue(&self, class: AnnotationClass) -> bool {
         matches!(&self.rules.catalogued, AnnotatedClasses::Only(classes) if !classes.contains(&class))
     }
@@ -132,18 +132,18 @@ impl<'a> ClassReader<'a> {
         !self.rules.table.by_name.is_empty()
     }
 
-    /// The class that the user gave `name`, whatever else it stands for.
+    /// The class that the user gave to `name`, whatever it stands for otherwise.
     pub fn own_class_of(&self, name: &str) -> Option<AnnotationClass> {
         self.rules.table.get(name)
     }
 
-    /// What was met and stands for nothing known.
+    /// The unknown names so far.
     pub fn unknown(&self) -> &UnknownClasses {
         &self.unknown
     }
 }
 
-/// Names that stand for nothing known, with how often and where each was met.
+/// Unknown names, with the number of times and the first place that each was met.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
 pub struct UnknownClasses {
     by_name: BTreeMap<String, Unknown>,
@@ -170,7 +170,7 @@ impl UnknownClasses {
         }
     }
 
-    /// Notes what `other` met as well.
+    /// Adds the names of `other`.
     pub fn append(&mut self, other: &Self) {
         self.n_others += other.n_others;
         for (plain, unknown) in &other.by_name {
@@ -189,8 +189,8 @@ impl UnknownClasses {
         self.by_name.is_empty()
     }
 
-    /// Nothing if all names are known, else the error that lists those that are not, with the lines that would map them.
-    /// `id` is the data set.
+    /// Fails if there are unknown names, with an error that lists them and the lines that would map them. `id` is the data
+    /// set.
     pub fn refuse(&self, id: &str) -> Result<(), DatasetError> {
         if self.is_empty() {
             return Ok(());

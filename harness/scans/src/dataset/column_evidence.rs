@@ -1,46 +1,46 @@
-//! How many columns the points of a file have, by its numbers alone.
+//! The number of columns that the points of a file have, by its numbers alone.
 //!
 //! Numbers of one column are alike: heights lie in a few metres, intensities are not negative, lasers have whole numbers.
-//! Read with a wrong number of columns, each column is a mixture of several. So the right number is the one under which the
-//! column says most about a number: its mutual information with sign, magnitude and wholeness of the number, in bits. On
-//! scans it is 0.4 to 2 bits under the right number of columns and its multiples, and 0 where the two have no common
-//! divisor. The order of points does not matter.
+//! Read with a wrong number of columns, each column is a mixture of several. So the right number is the one whose columns
+//! tell most about their numbers: the mutual information of the column with sign, magnitude and wholeness of the number, in
+//! bits. On scans it is 0.4 to 2 bits for the right number of columns and its multiples, and 0 for numbers without a common
+//! divisor with it. The order of points does not matter.
 
-/// Numbers of columns that are compared. Two are none of a point, but show what is not understood.
+/// Numbers of columns that are compared. No point has two columns, but data that are not understood may seem to.
 const N_COLUMNS: std::ops::RangeInclusive<usize> = 2..=12;
 
 /// Powers of two between which magnitudes are distinguished.
 const EXPONENTS: std::ops::Range<u32> = 119..142;
 
-/// Kinds of numbers: zero and magnitudes, each with two signs, whole and not; and what is no number.
+/// Kinds of numbers: zero and magnitudes, each with two signs, whole and not; and one for NaN and infinities.
 const N_KINDS: usize = 4 * (EXPONENTS.end - EXPONENTS.start + 1) as usize + 1;
 
-/// Columns that say less than this about their numbers say nothing, in bits.
+/// Columns with less information about their numbers show nothing, in bits.
 const MIN_BITS: f64 = 0.2;
 
-/// A divisor whose columns say so much of what is said at most is enough: points follow one another in patterns, too.
+/// The smallest number of columns with this share of the most bits is taken: points follow one another in patterns, too.
 const ENOUGH: f64 = 0.8;
 
-/// Another number of columns that says so much is another way to read the file.
+/// Another number of columns with more than this share of the bits is another way to read the file.
 const ANOTHER_WAY: f64 = 0.7;
 
 /// The likelihood ratio, as a deviance, from which on one number of columns is surely better than another. Chance alone
 /// reaches 70 on scans of a few points, and patterns of neighbouring points 200.
 const MIN_DEVIANCE: f64 = 400.0;
 
-/// From so many numbers on, two ways to read a file that are nearly as good are no chance.
+/// From this many numbers on, it is no chance if two ways to read a file are nearly as good.
 const MANY: usize = 4096;
 
-/// Numbers of a file that are looked at: so many stretches of so many numbers, evenly spread.
+/// Numbers of a file that are sampled: this many stretches of this many numbers, evenly spread.
 const N_STRETCHES: usize = 16;
 const N_IN_STRETCH: usize = 1024;
 
-/// Number of columns that numbers show.
+/// The number of columns, as far as the numbers show it.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum SeenColumns {
-    /// So many.
+    /// This many.
     Seen(usize),
-    /// Either of these.
+    /// One of these two.
     Either(usize, usize),
     /// There are too few numbers, or they are all alike.
     Unseen,
@@ -49,25 +49,25 @@ pub enum SeenColumns {
 /// Numbers of files, counted by kind and column for each number of columns.
 #[derive(Debug, Clone)]
 pub struct ColumnEvidence {
-    // One after the other for each of `N_COLUMNS`; in it the counts of each column.
+    // The counts of each column, for each of `N_COLUMNS` in turn.
     counts: Vec<[u32; N_KINDS]>,
     n_numbers: usize,
 }
 
 impl ColumnEvidence {
-    /// Nothing seen yet.
+    /// Evidence without any numbers.
     pub fn new() -> Self {
         Self { counts: vec![[0; N_KINDS]; N_COLUMNS.sum()], n_numbers: 0 }
     }
 
-    /// That of one file.
+    /// Evidence of one file.
     pub fn of(bytes: &[u8]) -> Self {
         let mut evidence = Self::new();
         evidence.add(bytes);
         evidence
     }
 
-    /// Looks at the numbers of a file, which are little-endian f32.
+    /// Adds numbers of a file, which are little-endian f32.
     pub fn add(&mut self, bytes: &[u8]) {
         let (numbers, _) = bytes.as_chunks::<4>();
         let n_wanted = N_STRETCHES * N_IN_STRETCH;
@@ -87,7 +87,7 @@ impl ColumnEvidence {
         }
     }
 
-    /// What it shows.
+    /// The number of columns that the evidence shows.
     pub fn seen(&self) -> SeenColumns {
         let (mut first, mut bits) = (0, Vec::new());
         let whole: [u32; N_KINDS] = std::array::from_fn(|kind| {
@@ -118,7 +118,7 @@ impl ColumnEvidence {
     }
 }
 
-/// Sign, magnitude and wholeness of a number.
+/// Index of the kind: sign, magnitude and wholeness of a number.
 fn kind_of(number: f32) -> usize {
     if !number.is_finite() {
         return N_KINDS - 1;
@@ -132,7 +132,7 @@ fn kind_of(number: f32) -> usize {
     4 * magnitude as usize + 2 * usize::from(number.is_sign_negative()) + usize::from(number.fract() == 0.0)
 }
 
-/// Entropy of the kinds that were counted, times their number, in bits; corrected for how few they are (Miller, Madow).
+/// Entropy of the counted kinds, times their number, in bits; corrected for small counts (Miller, Madow).
 fn total_bits(counts: &[u32; N_KINDS]) -> f64 {
     let n: f64 = counts.iter().map(|it| f64::from(*it)).sum();
     let seen = counts.iter().filter(|it| **it > 0);
@@ -166,7 +166,7 @@ pub(super) mod tests {
         (0..n).map(point).collect()
     }
 
-    /// The same points in another order.
+    /// The points in another order.
     fn shuffled(mut points: Vec<DrawnPoint>) -> Vec<DrawnPoint> {
         let n = points.len();
         (0..n).for_each(|index| points.swap(index, index * 7919 % n));

@@ -1,21 +1,21 @@
-//! What the columns of points are, by what their numbers look like.
+//! The meaning of the columns of points, judged by their numbers.
 //!
-//! x, y and z come first, which is refused where one of them looks like something else. A column of whole numbers, each of
-//! which has an elevation of its own, is the laser. The first other one is the intensity, unless it only rises, as times do,
-//! or has negative numbers.
+//! x, y and z come first; a file where one of them looks like something else is refused. A column of whole numbers, each of
+//! which has an elevation of its own, is the laser. The first other column is the intensity, unless it only rises, as times
+//! do, or has negative numbers.
 
 use std::collections::BTreeMap;
 
 use super::point_array::PointArray;
 use super::point_columns::{PointColumn, PointColumns};
 
-/// Points of a file that are looked at.
+/// Number of points of a file that are sampled.
 const N_SAMPLED: usize = 4096;
 
-/// Fewer points say nothing about their columns.
+/// The columns of fewer points are not judged.
 const MIN_POINTS: usize = 100;
 
-/// A share of numbers that is no accident or damage.
+/// A greater share of numbers is neither accident nor damage.
 const NOTABLE: f64 = 0.01;
 
 /// Share of the variance of elevations that lies between lasers, not within them. Intensities of whole numbers reach 0.2.
@@ -24,7 +24,7 @@ const MIN_BETWEEN_LASERS: f64 = 0.9;
 /// No sensor has more lasers.
 const MAX_LASERS: f64 = 512.0;
 
-/// Points of some files with as many columns, column by column.
+/// Points of some files with the same number of columns, column by column.
 #[derive(Debug, Clone, Default)]
 pub struct ColumnSample {
     columns: Vec<Vec<f64>>,
@@ -32,7 +32,7 @@ pub struct ColumnSample {
 }
 
 impl ColumnSample {
-    /// Adds points of `array`, which has as many columns as those before; none of a damaged one.
+    /// Adds points of `array`, which must have as many columns as the arrays before; a damaged array adds none.
     pub fn add(&mut self, array: &PointArray<'_>) {
         self.columns.resize(array.n_columns, Vec::new());
         self.n_files += 1;
@@ -45,7 +45,7 @@ impl ColumnSample {
         self.columns.first().map_or(0, Vec::len)
     }
 
-    /// Share of the numbers of column `index` that are so; 0 of none.
+    /// Share of the numbers of column `index` for which `is_so` holds; 0 without numbers.
     fn share(&self, index: usize, is_so: impl Fn(f64) -> bool) -> f64 {
         let numbers = &self.columns[index];
         numbers.iter().filter(|it| is_so(**it)).count() as f64 / numbers.len().max(1) as f64
@@ -65,7 +65,7 @@ impl ColumnSample {
         falls < self.n_files && !self.is_constant(index)
     }
 
-    /// Whether the numbers of column `index` are those of lasers: each of them has an elevation of its own.
+    /// Whether the numbers of column `index` are those of lasers, each of which has an elevation of its own.
     fn is_laser(&self, index: usize) -> bool {
         if !self.is_whole(index) {
             return false;
@@ -85,12 +85,12 @@ impl ColumnSample {
             }
         }
         let within: f64 = by_laser.values().map(Moments::squares).sum();
-        // A laser that is seen once explains itself.
+        // A laser with a single point has no variance within it.
         all.n >= 10.0 * by_laser.len() as f64 && within <= (1.0 - MIN_BETWEEN_LASERS) * all.squares()
     }
 }
 
-/// Sums of numbers.
+/// Count, sum and sum of squares of numbers.
 #[derive(Debug, Clone, Copy, Default)]
 struct Moments {
     n: f64,
@@ -105,14 +105,14 @@ impl Moments {
         self.sum_of_squares += number * number;
     }
 
-    /// Squares of the distances from the mean.
+    /// Sum of the squared distances from the mean.
     fn squares(&self) -> f64 {
         (self.sum_of_squares - self.sum * self.sum / self.n.max(1.0)).max(0.0)
     }
 }
 
-/// What the columns of `sample` are; `usual` are those of the format, which are kept if nothing speaks against them. Errors
-/// are the rest of a sentence about the file.
+/// The meaning of the columns of `sample`; `usual` are those of the format, which are kept if nothing speaks against them.
+/// Errors are the rest of a sentence about the file.
 pub fn meaning_of(sample: &ColumnSample, usual: &PointColumns) -> Result<PointColumns, String> {
     let n_columns = sample.columns.len();
     if sample.n_points() < MIN_POINTS {
@@ -137,7 +137,7 @@ pub fn meaning_of(sample: &ColumnSample, usual: &PointColumns) -> Result<PointCo
     let intensity = others().find(|it| Some(*it) != laser && !sample.rises(*it));
     match intensity.filter(|it| is_negative(*it)) {
         None => intensity.into_iter().for_each(|it| columns[it - 3] = PointColumn::Intensity),
-        // Something else, such as a normal; or what should be here is in front.
+        // Another value, such as a normal; or the column that belongs here is in front.
         Some(index) => {
             if let Some(axis) = (0..3).find(|it| !is_negative(*it)) {
                 return Err(format!(

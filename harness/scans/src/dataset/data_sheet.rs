@@ -1,5 +1,5 @@
-//! What a converted data set says about itself beyond what its format can: the file `scanbench.json` beside the scans, or
-//! the same text in the metadata of a recording.
+//! Facts about a converted data set that its format has no place for: the file `scanbench.json` beside the scans, or the
+//! same text in the metadata of a recording.
 
 use std::path::Path;
 
@@ -15,11 +15,11 @@ use super::{AnnotatedClasses, DatasetError};
 /// The name of the file.
 pub const DATA_SHEET: &str = "scanbench.json";
 
-/// What is known about a data set beyond its files.
+/// Facts about a data set beyond its files.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct DataSheet {
-    /// What its annotations cover.
+    /// The classes that its annotations cover.
     pub annotated_classes: AnnotatedClasses,
     /// Height of the sensor above the road, in metres.
     pub sensor_height_m: f32,
@@ -27,16 +27,16 @@ pub struct DataSheet {
     pub sensor: String,
     /// Its licence, where known.
     pub licence: Option<String>,
-    /// Where the labels say something, in KITTI's layouts.
+    /// The part of a scan that is labelled, in KITTI's layouts.
     #[serde(default)]
     pub labeled_region: LabeledRegion,
-    /// What a simulation was asked for, if it made the scans.
+    /// The request to the simulator, if it made the scans.
     pub simulation: Option<Simulation>,
     /// Id and checksum of the data set that it was made from.
     pub made_from: Option<String>,
 }
 
-/// Where KITTI's labels say something.
+/// The part of a scan that is labelled in KITTI's layouts.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum LabeledRegion {
@@ -45,7 +45,7 @@ pub enum LabeledRegion {
     Camera,
     /// All round.
     Everywhere,
-    /// As a file beside each scan says point by point.
+    /// Given for each point by a file beside each scan.
     PerPoint,
 }
 
@@ -62,7 +62,7 @@ impl DataSheet {
         sheet.map(Some).map_err(damaged)
     }
 
-    /// The sheet that `text` is. Errors say what is wrong with it.
+    /// Parses the sheet in `text`. Errors say what is wrong with it.
     pub fn from_json(text: &str) -> Result<Self, String> {
         let sheet: Self = serde_json::from_str(text).map_err(|error| error.to_string())?;
         if let Some(text) = sheet.texts().find(|it| !it.chars().all(is_printable)) {

@@ -31,12 +31,12 @@ named! {
 }
 
 impl DatasetFormat {
-    /// Whether data in this format are in drives, logs or scenes of which some can be chosen.
+    /// Whether data in this format are divided into drives, logs or scenes of which some can be chosen.
     pub fn has_sequences(self) -> bool {
         self.is_of_benchmark() && self != Self::KittiObject
     }
 
-    /// Whether data in this format are of one benchmark, whose sensor is known.
+    /// Whether data in this format belong to one benchmark, whose sensor is known.
     pub fn is_of_benchmark(self) -> bool {
         !matches!(self, Self::Mcap | Self::VelodynePcap | Self::ScanFolder)
     }

@@ -1,4 +1,4 @@
-//! What lies at a path.
+//! Finds the data set at a path, and its format.
 
 use std::collections::VecDeque;
 use std::path::{Path, PathBuf};
@@ -9,7 +9,7 @@ use super::formats::entry_of;
 use super::on_disk::entries_of;
 use super::scan_folder::folder::is_scan_folder;
 
-/// So many folders are looked into for one that may not be read.
+/// At most this many folders are searched for one that may not be read.
 const MOST_FOLDERS: usize = 1000;
 
 /// A data set on disk.
@@ -50,7 +50,7 @@ pub fn detect_format(path: &Path, formats: &[DatasetFormat]) -> Result<FoundData
     }
 }
 
-/// What `path` is or, if it is nothing, what its first known split is; several formats if the layout fits several.
+/// The formats that fit `path`; if there are none, those that fit its first split with any.
 fn found_in(path: &Path, formats: &[DatasetFormat]) -> Vec<FoundDataset> {
     let folders = [path.to_path_buf(), path.join("training"), path.join("testing")];
     let found = folders.into_iter().map(|folder| -> Vec<FoundDataset> {
@@ -60,7 +60,7 @@ fn found_in(path: &Path, formats: &[DatasetFormat]) -> Vec<FoundDataset> {
     found.into_iter().find(|found| !found.is_empty()).unwrap_or_default()
 }
 
-/// A folder at `path` or below that may not be looked into is an error of its own: nobody knows what is in it.
+/// Fails if a folder at `path` or below may not be read, since its content is unknown.
 fn refuse_unreadable(path: &Path) -> Result<(), DatasetError> {
     let mut folders = VecDeque::from([path.to_path_buf()]);
     for _ in 0..MOST_FOLDERS {

@@ -1,4 +1,4 @@
-//! Where the files of a data set can be fetched, as the catalogue says.
+//! Addresses of the files of data sets, as the catalogue has them.
 
 use std::collections::BTreeSet;
 
@@ -6,44 +6,44 @@ use serde::Deserialize;
 
 use super::shown_name::is_printable;
 
-/// What stands for the name of a drive in [`Download::files`].
+/// The placeholder for the name of a drive in [`Download::files`].
 const DRIVE: &str = "{drive}";
 
-/// What of a data set can be fetched without a login, and from where.
+/// The files of a data set that can be fetched without a login, and their address.
 #[derive(Debug, Clone, PartialEq, Eq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Download {
     /// Address of the folder that all paths start at: `s3://…`, `gs://…` or `https://…`.
     pub from: String,
-    /// Paths below it, where `{drive}` stands for each drive; one that ends in `/` is a folder, of which all is taken.
+    /// Paths below it, where `{drive}` stands for each drive; a path that ends in `/` is a folder to fetch as a whole.
     pub files: Vec<String>,
-    /// The drives; without them, and where paths have `{drive}`, they are the folders at the address.
+    /// The drives; if empty, and paths have `{drive}`, the drives are the folders at the address.
     #[serde(default)]
     pub drives: BTreeSet<String>,
     /// The region of the bucket.
     #[serde(default)]
     pub region: Option<String>,
-    /// Of archives, only files are kept whose paths contain one of these; all if there are none.
+    /// Only files whose paths contain one of these are unpacked from archives; all if there are none.
     #[serde(default)]
     pub unpack: Vec<String>,
-    /// What else is needed, and where it is, as a sentence.
+    /// Other files that are needed, and where they are, as a sentence.
     #[serde(default)]
     pub rest: Option<String>,
 }
 
-/// What the drives of a download are.
+/// The drives of a download.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum DownloadDrives {
-    /// It has none.
+    /// There are no drives.
     None,
-    /// These.
+    /// These drives.
     Listed(BTreeSet<String>),
-    /// Whatever folders are at the address.
+    /// All folders at the address.
     Folders,
 }
 
 impl Download {
-    /// What the drives are.
+    /// The drives of the download.
     pub fn drives(&self) -> DownloadDrives {
         if !self.files.iter().any(|it| it.contains(DRIVE)) {
             DownloadDrives::None
@@ -54,14 +54,14 @@ impl Download {
         }
     }
 
-    /// The paths of these drives, each once, sorted.
+    /// The paths for these drives, each once, sorted.
     pub fn paths_of(&self, drives: &[String]) -> Vec<String> {
         let of_drives = drives.iter().flat_map(|drive| self.files.iter().map(|it| it.replace(DRIVE, drive)));
         let of_all = self.files.iter().filter(|it| !it.contains(DRIVE)).cloned();
         of_all.chain(of_drives).collect::<BTreeSet<_>>().into_iter().collect()
     }
 
-    /// Says what cannot be fetched.
+    /// Checks that the download is possible; the error says what is not.
     pub(super) fn check(&self) -> Result<(), String> {
         let schemes = ["s3://", "gs://", "https://", "http://"];
         if !schemes.iter().any(|it| self.from.starts_with(it)) {
@@ -88,7 +88,7 @@ impl Download {
     }
 }
 
-/// Whether `name` can be that of a drive: one part of a path, with nothing in it that shells or servers read otherwise.
+/// Whether `name` can be the name of a drive: one part of a path, without characters that are special to shells or servers.
 pub fn is_drive_name(name: &str) -> bool {
     is_part(name) && name.chars().all(|it| it.is_ascii_alphanumeric() || "-_.".contains(it))
 }

@@ -1,4 +1,4 @@
-//! What can be wrong with labelled scans, and with the way they are asked for.
+//! Errors of labelled scans, and of requests for them.
 
 use std::path::{Path, PathBuf};
 
@@ -6,10 +6,10 @@ use reports::verdicts::suggestion::closest;
 
 use super::shown_name::shown;
 
-/// Why labelled scans cannot be read: a sentence, of its own kind only where somebody looks at the kind.
+/// Why labelled scans cannot be read: a sentence. A kind is distinguished only where some code depends on it.
 #[derive(Debug, thiserror::Error)]
 pub enum DatasetError {
-    /// The user asked for something that does not exist, or cannot be.
+    /// The user asked for something that does not exist, or is impossible.
     #[error("{0}")]
     Usage(String),
     /// A file that should describe a sensor does not.
@@ -17,7 +17,7 @@ pub enum DatasetError {
     Sensor {
         /// The file.
         path: PathBuf,
-        /// What is wrong with it.
+        /// The problem with it.
         source: Box<dyn std::error::Error + Send + Sync>,
     },
     /// Nothing at the path looks like a data set.
@@ -33,7 +33,7 @@ pub enum DatasetError {
     UnusableResults {
         /// The file or folder of the results.
         path: PathBuf,
-        /// What is wrong with it, as the rest of a sentence about it.
+        /// The problem with it, as the rest of a sentence about it.
         problem: String,
     },
     /// Results of another program that lack scans.
@@ -47,7 +47,7 @@ pub enum DatasetError {
         n_missing: usize,
         /// Scans that are asked for.
         n_asked: usize,
-        /// The first of them, and what can be done.
+        /// The first of the missing scans, and the way out.
         first: String,
     },
     /// The operating system refused.
@@ -55,7 +55,7 @@ pub enum DatasetError {
     Io {
         /// The file or folder.
         path: PathBuf,
-        /// What it said.
+        /// Error of the operating system.
         source: std::io::Error,
     },
     /// A file or folder that does not follow its format.
@@ -63,7 +63,7 @@ pub enum DatasetError {
     Damaged {
         /// The file or folder.
         path: PathBuf,
-        /// What is wrong with it, as the rest of a sentence about it.
+        /// The problem with it, as the rest of a sentence about it.
         problem: String,
     },
     /// A line that does not follow the format.
@@ -73,7 +73,7 @@ pub enum DatasetError {
         path: PathBuf,
         /// Line, counted from 1.
         line: usize,
-        /// What is wrong with it.
+        /// The problem with it.
         problem: String,
     },
     /// The data are missing, or not what they should be.
@@ -94,7 +94,7 @@ impl DatasetError {
         )
     }
 
-    /// What the operating system says of `path`.
+    /// The error of the operating system about `path`.
     pub fn io(path: &Path) -> impl Fn(std::io::Error) -> Self + Copy + '_ {
         move |source| Self::Io { path: path.to_path_buf(), source }
     }
@@ -109,14 +109,14 @@ impl DatasetError {
         Self::damaged(path, "has no scans")
     }
 
-    /// The name of `path` does not follow the format, which requires what is `expected`.
+    /// The name of `path` does not follow the format, which requires `expected`.
     pub fn file_name(path: impl Into<PathBuf>, expected: &str) -> Self {
         Self::damaged(path, format!("has a wrong name; the format requires {expected}"))
     }
 
-    /// There is no data set of this name beside those that are `known`.
+    /// There is no data set of this name beside the `known` ones.
     pub fn unknown_dataset(name: &str, known: &[String]) -> Self {
-        /// More names are not read through by somebody who meant one of them.
+        /// More names are not listed: a user with one name in mind does not read them.
         const MOST_LISTED: usize = 10;
         let closest = closest(name, known.iter().map(String::as_str));
         let listed =
@@ -128,7 +128,7 @@ impl DatasetError {
         Self::Usage(message)
     }
 
-    /// The data set `id` of the catalogue, in `root`, has the name of another folder here.
+    /// The data set `id` of the catalogue, in `root`, has the same name as a folder here.
     pub fn two_of_a_name(id: &str, root: &Path) -> Self {
         Self::Usage(format!(
             "{id:?} is a data set of the catalogue, in {root:?}, and a folder here: write ./{id} for the folder here, or {root:?}"
@@ -176,12 +176,12 @@ impl DatasetError {
         Self::Unsound(format!("the calibration {calibration:?} of {scan:?} does not exist"))
     }
 
-    /// A file of labels is of another scan.
+    /// A file of labels belongs to another scan.
     pub fn label_count(path: &Path, n_labels: usize, n_points: usize) -> Self {
         Self::damaged(path, format!("has {n_labels} labels, but its scan has {n_points} points"))
     }
 
-    /// A file of points or labels ends within one.
+    /// A file ends within a point or a label.
     pub fn partial_point(path: &Path, n_bytes: usize, n_bytes_per_point: usize) -> Self {
         let problem = format!(
             "is damaged or cut off: its {n_bytes} bytes are not a multiple of the {n_bytes_per_point} of a point"
@@ -189,7 +189,7 @@ impl DatasetError {
         Self::damaged(path, problem)
     }
 
-    /// A calibration lacks the line that is called `expected`.
+    /// A calibration lacks the line `expected`.
     pub fn calibration_entry(path: &Path, expected: &str) -> Self {
         Self::damaged(path, format!("has no line {expected}"))
     }

@@ -1,7 +1,6 @@
 //! Feather files: columns in Arrow's file format, plain or compressed by LZ4 or Zstandard.
 //!
-//! The descriptions are read by Arrow's own crate, the columns here: its reader takes the sizes that a file claims at their
-//! word.
+//! Arrow's own crate reads the descriptions, but not the columns: its reader trusts the sizes that a file claims.
 
 use std::collections::BTreeMap;
 use std::io::Read as _;
@@ -15,7 +14,7 @@ use super::on_disk::bytes_of;
 
 const MAGIC: &[u8; 6] = b"ARROW1";
 
-/// All columns together may grow to this many bytes, or so many times the size of the file, whichever is more.
+/// All columns together may grow to this many bytes, or to this many times the size of the file, whichever is more.
 const MAX_PLAIN_BYTES: usize = 64 << 20;
 const MAX_GROWTH: usize = 64;
 
@@ -40,18 +39,18 @@ pub struct FeatherTable {
 }
 
 impl FeatherTable {
-    /// Reads the columns called `names` of the file at `path`; others are not looked at.
+    /// Reads the columns called `names` of the file at `path`; others are ignored.
     pub fn read(path: &Path, names: &[&str]) -> Result<Self, DatasetError> {
         Self::read_some(path, names, &[])
     }
 
-    /// Reads the columns called `names`, and those of `optional` that there are.
+    /// Reads the columns called `names`, and those of `optional` that exist.
     pub fn read_some(path: &Path, names: &[&str], optional: &[&str]) -> Result<Self, DatasetError> {
         Self::parse(&bytes_of(path)?, names, optional).map_err(|problem| DatasetError::damaged(path, problem))
     }
 
-    /// The columns called `names` in `bytes`, and those of `optional` that there are. Errors are the rest of a sentence
-    /// about the file.
+    /// The columns called `names` in `bytes`, and those of `optional` that exist. Errors are the rest of a sentence about
+    /// the file.
     pub fn parse(bytes: &[u8], names: &[&str], optional: &[&str]) -> Result<Self, String> {
         let footer = footer_of(bytes)?;
         let fields: Vec<Field<'_>> =
@@ -84,7 +83,7 @@ impl FeatherTable {
             let parts =
                 parts.and_then(|(begin, end)| Some((bytes.get(offset..begin)?, bytes.get(begin..end)?)));
             let (metadata, body) = parts.ok_or("is cut off within a batch of rows")?;
-            // Batches lie one behind the other; those that share bytes are more than the file holds.
+            // Batches lie one behind the other: if they share bytes, they are larger than the file together.
             n_batch_bytes = n_batch_bytes.saturating_add(metadata.len() + body.len());
             if metadata.is_empty() || n_batch_bytes > bytes.len() {
                 return Err("has batches of rows that are larger than the file".to_owned());
@@ -144,7 +143,7 @@ fn empty_column(field: &Field<'_>) -> Result<Column, String> {
     }
 }
 
-/// Appends the rows of a batch to those of `columns` that are wanted.
+/// Appends the rows of a batch to `columns`.
 fn append_batch(
     batch: &RecordBatch<'_>,
     body: &[u8],
@@ -189,7 +188,7 @@ fn append_batch(
     Ok(())
 }
 
-/// What is left of the bytes that columns may have once they are decompressed.
+/// The bytes that decompressed columns may still take.
 struct ByteBudget {
     n_left: usize,
 }
@@ -205,7 +204,7 @@ impl ByteBudget {
     }
 }
 
-/// What a buffer holds once it is decompressed: the size comes first, -1 if it is not compressed after all.
+/// The decompressed bytes of a buffer. If there is a codec, the size comes first, -1 if the buffer is not compressed.
 fn plain(buffer: &[u8], codec: Option<CompressionType>, budget: &mut ByteBudget) -> Result<Vec<u8>, String> {
     let too_much = |n_bytes: usize| format!("has columns that are {n_bytes} bytes too large");
     let Some(codec) = codec.filter(|_| !buffer.is_empty()) else {
@@ -286,13 +285,13 @@ fn append_rows<T, const N: usize>(
     Ok(())
 }
 
-/// Where texts begin and end, in four bytes each; what is negative lies beyond everything.
+/// Starts and ends of texts, in four bytes each; negative ones become the greatest offset, beyond everything.
 fn small_offsets(bytes: &[u8]) -> Vec<usize> {
     let (offsets, _) = bytes.as_chunks::<4>();
     offsets.iter().map(|it| usize::try_from(i32::from_le_bytes(*it)).unwrap_or(usize::MAX)).collect()
 }
 
-/// The same in eight bytes, as pandas and Polars write them.
+/// Starts and ends of texts in eight bytes each, as pandas and Polars write them.
 fn large_offsets(bytes: &[u8]) -> Vec<usize> {
     let (offsets, _) = bytes.as_chunks::<8>();
     offsets.iter().map(|it| usize::try_from(i64::from_le_bytes(*it)).unwrap_or(usize::MAX)).collect()

@@ -2,8 +2,8 @@
 
 use std::fmt::Write as _;
 
-/// `name` as the name of a folder that leads nowhere else, and another one for every name: each byte of what is neither
-/// letter, digit, `-`, `_` nor an inner dot becomes `%` and two hexadecimal digits; the empty name becomes `%`.
+/// `name` as the name of a folder that leads nowhere else, and a different one for every name: each byte of a character that
+/// is no letter, digit, `-`, `_` or inner dot becomes `%` and two hexadecimal digits; the empty name becomes `%`.
 pub fn folder_name(name: &str) -> String {
     if name.is_empty() {
         return "%".to_owned();

@@ -1,15 +1,14 @@
-//! What results of other programs need to know about a scan: how the makers of its format name it, and in which frame they
-//! give boxes.
+//! Facts about a scan for results of other programs: its name in its format, and the frame in which they give boxes.
 
 use nalgebra::{Isometry3, Matrix3x4, Matrix4};
 
 use super::time_pairs::Moment;
 
-/// How a scan is named in results made elsewhere beside its id, and how the frame of their boxes lies to the sensor's.
-/// Metres.
+/// The name of a scan in results made elsewhere, beside its id, and the pose of the frame of their boxes relative to the
+/// sensor. Metres.
 #[derive(Debug, Clone, PartialEq)]
 pub enum ForeignFrame {
-    /// Nothing more than its id is known, and boxes are in the frame of the sensor.
+    /// Only the id is known, and boxes are in the frame of the sensor.
     Sensor,
     /// KITTI: boxes are in the rectified frame of the camera, x right, y down, z forward.
     Camera {
@@ -20,11 +19,11 @@ pub enum ForeignFrame {
         /// Width and height of the image in pixels.
         image_size_px: [u32; 2],
     },
-    /// nuScenes: boxes are in a frame that rests.
+    /// nuScenes: boxes are in the frame of the world, which rests.
     World {
         /// The token of the sample.
         sample_token: String,
-        /// Where the sensor was.
+        /// The pose of the sensor.
         world_from_sensor: Isometry3<f64>,
     },
     /// Argoverse 2: boxes are in the frame of the car.
@@ -33,12 +32,12 @@ pub enum ForeignFrame {
         log_id: String,
         /// The time of the sweep in nanoseconds.
         timestamp_ns: i64,
-        /// Where the sensor is.
+        /// The pose of the sensor in the frame of the car.
         car_from_sensor: Isometry3<f64>,
     },
     /// A recording: boxes name their frame.
     Recording {
-        /// When the cloud was taken, as far as it says, and when it was logged.
+        /// The time stamp of the cloud, if it has one, and when it was logged.
         moment: Moment,
         /// The frame of the cloud.
         frame: String,

@@ -1,4 +1,4 @@
-//! The formats that can be read, as a table: how each is recognised and opened, and what its benchmark is known for.
+//! The formats that can be read, as a table: how to recognise and open each, and the properties of its benchmark.
 
 use std::path::Path;
 
@@ -26,17 +26,17 @@ use super::{AnnotatedClasses, Dataset, DatasetError};
 type Recognises = fn(&Path) -> bool;
 type Opens = fn(DatasetSource) -> Result<Box<dyn Dataset>, DatasetError>;
 
-/// What is done with a format.
+/// How to recognise and open a format.
 pub struct FormatEntry {
-    /// Whether data in it lie at a path.
+    /// Whether data in this format lie at a path.
     pub is_at: Recognises,
-    /// What its files do not say, as it is in its benchmark.
+    /// Properties that its files do not state, as in its benchmark.
     pub benchmark: Benchmark,
     /// Opens the data set of a source.
     pub open: Opens,
 }
 
-/// What data in a format are taken to be like, unless they or the catalogue say otherwise.
+/// Properties that data in a format are taken to have, unless they or the catalogue state others.
 #[derive(Clone, Copy)]
 pub struct Benchmark {
     /// The classes that are annotated; `None` for every object.
@@ -48,7 +48,7 @@ pub struct Benchmark {
 }
 
 impl Benchmark {
-    /// What is annotated.
+    /// The classes that are annotated.
     pub fn annotated(&self) -> AnnotatedClasses {
         self.classes.map_or(AnnotatedClasses::EveryObject, |it| AnnotatedClasses::Only(it.to_vec()))
     }
@@ -57,7 +57,7 @@ impl Benchmark {
 const KITTI: Benchmark =
     Benchmark { classes: Some(&KITTI_CLASSES), sensor: KITTI_SENSOR, sensor_height_m: KITTI_SENSOR_HEIGHT_M };
 
-/// Every point has a label, and those that leave open whether they are an object are not judged.
+/// Every point has a label; points whose label leaves open whether they are an object are not judged.
 const SEMANTIC_KITTI: Benchmark = Benchmark { classes: None, ..KITTI };
 
 const ARGOVERSE2: Benchmark = Benchmark {
@@ -72,7 +72,7 @@ const NUSCENES: Benchmark = Benchmark {
     sensor_height_m: NUSCENES_SENSOR_HEIGHT_M,
 };
 
-/// Whoever labels a recording labels its vehicles; whether everything else too, nobody said.
+/// Labels of a recording include its vehicles; whether they include everything else is not known.
 const RECORDING: Benchmark = Benchmark { classes: Some(&AnnotationClass::ALL), ..KITTI };
 
 /// The entry of `format`.
@@ -86,7 +86,7 @@ pub fn entry_of(format: DatasetFormat) -> FormatEntry {
         DatasetFormat::KittiRaw => (is_kitti_raw, KITTI, open_kitti_raw),
         DatasetFormat::NuScenes => (is_nuscenes, NUSCENES, open_nuscenes),
         DatasetFormat::VelodynePcap => (is_capture, RECORDING, open_velodyne_capture),
-        // Parts of other layouts are folders of scans as well, so that it counts only where it is named.
+        // Parts of other layouts are folders of scans as well, so this format counts only where the user names it.
         DatasetFormat::ScanFolder => (|_| false, RECORDING, open_scan_folder),
     };
     FormatEntry { is_at, benchmark, open }

@@ -1,4 +1,4 @@
-//! Labelled scans, wherever they come from.
+//! Labelled scans from all sources.
 
 use std::path::PathBuf;
 
@@ -17,7 +17,7 @@ pub mod shown_name;
 pub mod error;
 pub mod on_disk;
 
-// What several formats have in common.
+// Parts that several formats have in common.
 pub mod text_file;
 pub mod python_json;
 pub mod numbered_files;
@@ -62,7 +62,7 @@ pub mod scan_folder;
 pub mod mounting;
 pub mod formats;
 
-// From what the user names to an open data set, and to the scans of it that are run.
+// From the user's name for a data set to the open data set, and to its scans that are run.
 pub mod detect_format;
 pub mod root_template;
 pub mod download;
@@ -75,15 +75,15 @@ pub use error::DatasetError;
 
 /// A series of labelled scans that are read one at a time.
 pub trait Dataset: Send + Sync {
-    /// What it is, and its scans.
+    /// Its description and its scans.
     fn listing(&self) -> &Listing;
 
-    /// The data set that this one is made of, scan by scan; its answers are used wherever this one has none of its own.
+    /// The data set that this one wraps, scan by scan; its answers are used where this one has none of its own.
     fn inner(&self) -> Option<&dyn Dataset> {
         None
     }
 
-    /// What is known about it without reading a scan.
+    /// Its description, known without reading a scan.
     fn description(&self) -> &DatasetDescription {
         &self.listing().description
     }
@@ -96,132 +96,130 @@ pub trait Dataset: Send + Sync {
     /// Reads scan `scan_idx` of [`Self::scan_ids`].
     fn read_scan(&self, scan_idx: usize) -> Result<LabeledScan, DatasetError>;
 
-    /// When scan `scan_idx` was taken, in nanoseconds since some start of time, as far as the files say.
+    /// When scan `scan_idx` was taken, in nanoseconds since some start of time, if the files state it.
     fn scan_time_ns(&self, scan_idx: usize) -> Option<u64> {
         self.inner()?.scan_time_ns(scan_idx)
     }
 
-    /// How to find which scans are near one another.
+    /// How to find scans that are near one another.
     fn nearness(&self) -> Nearness {
         self.inner().map_or(Nearness::Times, Dataset::nearness)
     }
 
-    /// The drive, or the block that the user has named, that scan `scan_idx` is of when intervals are estimated; `None`
-    /// where that is its sequence.
+    /// The drive, or the block named by the user, that scan `scan_idx` counts to when intervals are estimated; `None` if it
+    /// is its sequence.
     fn scan_block(&self, scan_idx: usize) -> Option<&str> {
         self.inner()?.scan_block(scan_idx)
     }
 
-    /// Size of the file that scan `scan_idx` has for itself, in bytes: how much work it is, without reading it. `None` where
+    /// Size of the file that holds scan `scan_idx` alone, in bytes: a measure of the work, without reading it. `None` where
     /// scans share a file, or have none.
     fn scan_n_bytes(&self, scan_idx: usize) -> Option<u64> {
         self.inner()?.scan_n_bytes(scan_idx)
     }
 
-    /// What was left out when it was opened, since it is damaged and that was to be skipped.
+    /// Damaged parts that were left out when it was opened, since the user wants to skip damage.
     fn left_out(&self) -> Option<&str> {
         self.inner()?.left_out()
     }
 
-    /// Scans without labels and labels without a scan that were left out for the same reason.
+    /// Scans without labels and labels without a scan that were left out for this reason.
     fn files_left_out(&self) -> &[LeftOut] {
         self.inner().map_or(&[], Dataset::files_left_out)
     }
 
-    /// The name of the file of scan `scan_idx` without its ending, which may be another one than its number; `None` where
-    /// the format numbers its files.
+    /// The name of the file of scan `scan_idx` without its ending, which may differ from its number; `None` where the format
+    /// numbers its files.
     fn file_name(&self, scan_idx: usize) -> Option<&str> {
         self.inner()?.file_name(scan_idx)
     }
 
-    /// What may be wrong with labels and names as a whole, a line each: labels of scans that are not there, names that were
-    /// not taken over.
+    /// Possible errors of labels and names as a whole, a line each: labels of missing scans, names that were not taken over.
     ///
-    /// Files may have to be read through for it.
+    /// This may read through files.
     fn oddities(&self) -> Result<Vec<String>, DatasetError> {
         self.inner().map_or_else(|| Ok(Vec::new()), Dataset::oddities)
     }
 
-    /// How labels were found for scans, if not by time stamps where the format has them: one line for the user, who may know
-    /// better.
+    /// How labels were paired with scans, if the format has time stamps and they were not used: one line for the user, who
+    /// may know better.
     fn note_of_labels(&self) -> Option<String> {
         self.inner()?.note_of_labels()
     }
 
-    /// Where the sensor was at scan `scan_idx`, in a frame that rests, as far as the files say.
+    /// Pose of the sensor at scan `scan_idx`, in a frame that rests, if the files state it.
     fn world_from_sensor(&self, scan_idx: usize) -> Result<Option<Isometry3<f64>>, DatasetError> {
         self.inner().map_or(Ok(None), |it| it.world_from_sensor(scan_idx))
     }
 
-    /// The labels of the points of scan `scan_idx`, which is `scan`, as SemanticKITTI's format has them; `None` of other
-    /// formats.
+    /// The labels of the points of scan `scan_idx`, which is `scan`, in SemanticKITTI's format; `None` in other formats.
     fn point_labels(&self, scan_idx: usize, scan: &LabeledScan) -> Result<Option<Vec<u32>>, DatasetError> {
         self.inner().map_or(Ok(None), |it| it.point_labels(scan_idx, scan))
     }
 
-    /// How results that other programs made of scan `scan_idx` name it, and the frame that they give boxes in.
+    /// The name of scan `scan_idx` in results of other programs, and the frame of their boxes.
     ///
-    /// The scan may be read for it.
+    /// This may read the scan.
     fn foreign_frame(&self, scan_idx: usize) -> Result<ForeignFrame, DatasetError> {
         self.inner().map_or(Ok(ForeignFrame::Sensor), |it| it.foreign_frame(scan_idx))
     }
 
-    /// The columns of points in files that do not name them, and how they are known; `None` if all files do.
+    /// The columns of points in files that do not name them, and how they are known; `None` if all files name them.
     ///
     /// # Errors
     ///
-    /// If nobody can know them.
+    /// If only the user can know them.
     fn columns(&self) -> Result<Option<String>, DatasetError> {
         self.inner().map_or(Ok(None), Dataset::columns)
     }
 
-    /// What KITTI's label files say about scan `scan_idx`, in their own frame and order; `None` in other formats.
+    /// The labels of scan `scan_idx` in KITTI's files, in their own frame and order; `None` in other formats.
     fn kitti_labels(&self, scan_idx: usize) -> Option<&[KittiLabel]> {
         self.inner()?.kitti_labels(scan_idx)
     }
 
-    /// The labels of scan `scan_idx` as its makers evaluate them; `None` where files say no more than annotations do.
+    /// The labels of scan `scan_idx` as its makers evaluate them; `None` where the files have no more than the annotations.
     fn official_scan(&self, scan_idx: usize) -> Result<Option<OfficialScan>, DatasetError> {
         self.inner().map_or(Ok(None), |it| it.official_scan(scan_idx))
     }
 }
 
-/// How to find which scans of a data set are near one another, and so show the same objects.
+/// How to find scans of a data set that are near one another, and so show the same objects.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Nearness {
-    /// Time stamps; without them numbers, which count a tenth of a second each.
+    /// By time stamps; without them by numbers, which count a tenth of a second each.
     Times,
-    /// Nothing: scans were picked out of drives, and their numbers are no times.
+    /// Not possible: scans were picked out of drives, and their numbers are no times.
     Unknown,
-    /// The user, who has named a block for each.
+    /// By the blocks that the user has named for them.
     Named,
 }
 
-/// The line of [`Dataset::oddities`] about labels of scans that are not there; none if `names` has none.
+/// The line of [`Dataset::oddities`] about labels of missing scans; none if `names` is empty.
 fn labels_without_scan(names: &[String]) -> Vec<String> {
     let line = || format!("labels of {} missing scans: {}", names.len(), few_of(names));
     (!names.is_empty()).then(line).into_iter().collect()
 }
 
-/// What a data set is, and its scans in the order of their drives and times.
+/// The description of a data set, and its scans in the order of their drives and times.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Listing {
-    /// What is known about it without reading a scan.
+    /// The description, known without reading a scan.
     pub description: DatasetDescription,
     /// The scans.
     pub scan_ids: Vec<ScanId>,
 }
 
-/// What is known about a data set without reading a scan.
+/// Facts about a data set that are known without reading a scan.
 #[derive(Debug, Clone, PartialEq)]
 pub struct DatasetDescription {
     /// The name used in tables and files.
     pub id: String,
     /// The format's name, such as `kitti-tracking`.
     pub format: String,
-    /// Where it lies; `None` for what is simulated on the fly.
+    /// Its folder or file; `None` if it is simulated on the fly.
     pub root: Option<PathBuf>,
-    /// What its annotations cover.
+    /// The classes that its annotations cover.
     pub annotated: AnnotatedClasses,
     /// Height of the sensor above the road, in metres.
     pub sensor_height_m: f32,
@@ -229,31 +227,31 @@ pub struct DatasetDescription {
     pub sensor: String,
     /// Its licence, where known.
     pub licence: Option<String>,
-    /// SHA-256 that changes when the data set does: of the files as [`checksum`] describes, or of the parameters and
-    /// seed of a simulation.
+    /// SHA-256 that changes with the data set: of the files as [`checksum`] describes, or of the parameters and seed of a
+    /// simulation.
     pub checksum: Option<String>,
-    /// What a simulation was asked for; `None` for what was recorded.
+    /// The request to the simulator; `None` for recorded scans.
     pub simulation: Option<Simulation>,
 }
 
 impl DatasetDescription {
-    /// Whether a simulator made it. Numbers measured on it are always labelled so.
+    /// Whether a simulator made it. Results on it are always labelled as simulated.
     pub fn is_simulated(&self) -> bool {
         self.simulation.is_some()
     }
 }
 
-/// Which objects of the street a data set labels.
+/// The objects of the street that a data set labels.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum AnnotatedClasses {
-    /// Every free-standing object: what is found beyond the annotations is false.
+    /// Every free-standing object: detections beyond the annotations are false.
     EveryObject,
-    /// These classes only: whether anything else that is found is false cannot be known.
+    /// These classes only: whether other detections are false cannot be known.
     Only(Vec<AnnotationClass>),
 }
 
 impl AnnotatedClasses {
-    /// Whether everything that `task` asks for is annotated, so that what is found beyond it is known to be false.
+    /// Whether all objects of `task` are annotated, so that detections beyond them are known to be false.
     ///
     /// A data set with cars among its classes is taken to label all vehicles, under its own names for them.
     pub fn covers(&self, task: Task) -> bool {

@@ -1,4 +1,4 @@
-//! How a sensor is mounted, where the files do not say so or are wrong about it.
+//! The mounting of a sensor, where the files do not state it or are wrong.
 
 use std::path::Path;
 
@@ -12,7 +12,7 @@ use super::upright_box::{pose_of_box, upright_box};
 use super::{Dataset, DatasetDescription, DatasetError, Listing};
 use crate::annotation::{LabeledArea, LabeledScan};
 
-/// What is known better than files, catalogue and format have it.
+/// Values that override those of files, catalogue and format.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Mounting {
     /// The sensor, see [`DatasetDescription::sensor`](super::DatasetDescription::sensor).
@@ -24,7 +24,7 @@ pub struct Mounting {
 }
 
 impl Mounting {
-    /// `dataset`, mounted like this.
+    /// `dataset` with this mounting.
     pub fn of(self, dataset: Box<dyn Dataset>) -> Box<dyn Dataset> {
         if self == Self::default() {
             return dataset;
@@ -34,7 +34,7 @@ impl Mounting {
         Box::new(MountedDataset { dataset, listing, mounting: self })
     }
 
-    /// Says so in `description`.
+    /// Writes the mounting into `description`.
     pub fn describe(&self, description: &mut DatasetDescription) {
         if let Some(sensor) = &self.sensor {
             description.sensor.clone_from(sensor);
@@ -44,8 +44,8 @@ impl Mounting {
         }
     }
 
-    /// Moves points, boxes and what is known of positions from the frame of the files to that of the sensor. Which points
-    /// belong to which annotation stays as it is.
+    /// Moves points, boxes and the labelled area from the frame of the files to that of the sensor. Annotations keep their
+    /// points.
     pub fn move_scan(&self, scan: &mut LabeledScan) {
         if let Some(sensor_from_file) = &self.sensor_from_file {
             move_scan(scan, sensor_from_file);
@@ -128,7 +128,7 @@ fn move_scan(scan: &mut LabeledScan, sensor_from_file: &Isometry3<f64>) {
             image_from_sensor: image_from_sensor * sensor_from_file.inverse().to_homogeneous(),
             image_size_px,
         },
-        // Said of directions that are others now.
+        // The directions of the area have changed.
         LabeledArea::Ahead { .. } => LabeledArea::AsPoints,
         area @ (LabeledArea::Everywhere | LabeledArea::AsPoints) => area,
     };
@@ -140,12 +140,12 @@ fn moved_box(bounding_box: &OrientedBox, sensor_from_file: &Isometry3<f64>) -> O
     OrientedBox { length_width_height_m: size_m, ..moved }
 }
 
-/// Rotations may deviate from one by so much: matrices are written with few digits.
+/// Rotations may deviate from one by this much: matrices are written with few digits.
 const ROTATION_TOLERANCE: f64 = 1e-3;
 
 /// Reads a rigid transform from a text file: a matrix of 4 × 4 or 3 × 4 numbers row by row; or x y z and a quaternion x y z
-/// w; or x y z and roll, pitch and yaw in radians about fixed axes, as ROS has them. Metres; commas, brackets and what
-/// follows `#` do not matter.
+/// w; or x y z and roll, pitch and yaw in radians about fixed axes, as ROS has them. Metres; commas, brackets and text
+/// behind `#` are ignored.
 pub fn read_transform(path: &Path) -> Result<Isometry3<f64>, DatasetError> {
     let text = read_settings_text(path).map_err(DatasetError::io(path))?;
     numbers_of(&text).and_then(|numbers| transform_of(&numbers)).map_err(|problem| refused(path, &problem))
@@ -212,7 +212,7 @@ mod tests {
     use super::*;
     use nalgebra::Point3;
 
-    /// Where (1, 2, 3) gets to.
+    /// Checks where (1, 2, 3) moves to.
     #[track_caller]
     fn check(text: &str, expected_m: [f64; 3]) {
         let transform = numbers_of(text).and_then(|it| transform_of(&it)).unwrap();

@@ -1,4 +1,4 @@
-//! `.npy`, the format of `NumPy`: an array of points, one a row, whose columns have no names.
+//! `.npy`, the format of `NumPy`: an array with a point in each row, whose columns have no names.
 
 use super::packed_points::{ByteOrder, NumberType};
 use super::point_array::PointArray;
@@ -55,7 +55,7 @@ pub fn parse_npy(bytes: &[u8]) -> Result<PointArray<'_>, String> {
     Ok(PointArray { n_points, n_columns, number, byte_order, data })
 }
 
-/// What the header says about `key`; nothing if it says nothing.
+/// Value of `key` in the header; empty if there is none.
 fn value_of<'a>(header: &'a str, key: &str) -> &'a str {
     let after = header.split_once(&format!("'{key}':")).map_or("", |(_, after)| after.trim_start());
     let end =

@@ -13,16 +13,16 @@ pub struct Digits {
     said: &'static str,
 }
 
-/// As most of KITTI's benchmarks do.
+/// Digits in most of KITTI's benchmarks.
 pub const SIX_DIGITS: Digits = Digits { n: 6, said: "a number of six digits, such as 000123" };
 
-/// As KITTI's raw recordings do.
+/// Digits in KITTI's raw recordings.
 pub const TEN_DIGITS: Digits = Digits { n: 10, said: "a number of ten digits, such as 0000000123" };
 
 /// The numbers of the files `NNNNNN.extension` in `folder`.
 ///
-/// Files with other extensions and hidden files are not looked at. A file of this extension that is named otherwise is
-/// refused, since its index among the others cannot be known.
+/// Files with other extensions and hidden files are ignored. A file of this extension with another kind of name is refused,
+/// since its index among the others cannot be known.
 pub fn numbered_files(folder: &Path, extension: &str, digits: Digits) -> Result<BTreeSet<u32>, DatasetError> {
     let files = entries_of(folder)?.into_iter().filter(|it| has_extension(it, extension));
     files

@@ -1,4 +1,4 @@
-//! What the makers of a data set evaluate: labels and results as their files have them, before our classes and single
+//! Labels and results as the makers of a data set evaluate them: as in their files, without our classes and single
 //! precision.
 
 use nalgebra::{Isometry3, Vector3};
@@ -12,32 +12,32 @@ pub struct OfficialScan {
     pub origin_m: [f64; 3],
 }
 
-/// What results that we write call a vehicle which only protocols count that rank boxes; evaluators of others do not read it.
+/// Name in results that we write for vehicles that count only in protocols that rank boxes; other evaluators ignore it.
 pub const UNLIKELY: &str = "unlikely";
 
-/// An object, labelled or found, in the frame of the files.
+/// A labelled or detected object, in the frame of the files.
 #[derive(Debug, Clone, PartialEq)]
 pub struct OfficialObject {
-    /// What the files call its class.
+    /// The name of its class in the files.
     pub name: String,
     /// Its centre.
     pub center_m: [f64; 3],
     /// Its sides.
     pub length_width_height_m: [f64; 3],
-    /// Its heading on the ground plan.
+    /// Its heading on the ground plan, in radians.
     pub yaw_rad: f64,
-    /// How it moves over the ground plan; `None` where nobody says.
+    /// Its velocity on the ground plan; `None` if not stated.
     pub velocity_m_per_s: Option<[f64; 2]>,
-    /// What it is doing; `None` where nobody says.
+    /// Attribute for what it is doing; `None` if not stated.
     pub attribute: Option<String>,
-    /// Number of points in it, as the files have it; `None` where they do not, and of what was found.
+    /// Number of points in it, as stated in the files; `None` where they do not, and for detections.
     pub n_points: Option<u64>,
-    /// How sure the detector is of it; `None` of labels.
+    /// How sure the detector is of it; `None` for labels.
     pub score: Option<f64>,
 }
 
 impl OfficialObject {
-    /// An object at `frame_from_box` of which no more is known.
+    /// An object at `frame_from_box` without any other values.
     pub fn new(name: &str, frame_from_box: &Isometry3<f64>, length_width_height_m: [f64; 3]) -> Self {
         let heading = frame_from_box.rotation * Vector3::x();
         Self {

@@ -1,4 +1,4 @@
-//! From what the user names to an open data set.
+//! Opens the data set that the user names.
 
 use std::collections::BTreeSet;
 use std::path::Path;
@@ -19,25 +19,25 @@ use super::source::{ChosenParts, DamagePolicy, DatasetSource, StatedBy, TopicCho
 use super::{Dataset, DatasetError};
 use reports::run_folder::command_line::shell_word;
 
-/// How a data set is opened other than the catalogue says.
+/// How to open a data set, beyond the settings of the catalogue.
 #[derive(Debug, Clone, Default)]
 pub struct ReadOptions {
-    /// The format of a data set at a path; without it, the format is recognised by the files.
+    /// The format of a data set at a path; without it, the files show the format.
     pub format: Option<DatasetFormat>,
     /// The topics of a recording; without them, those of the catalogue, or the only ones.
     pub topics: TopicChoice,
-    /// What becomes of damaged parts that others do not depend on.
+    /// Handling of damaged parts that others do not depend on.
     pub damage: DamagePolicy,
-    /// What the names of classes in labels stand for, as the user says; has the last word over the catalogue.
+    /// Classes of the names in labels, from the user; they override the catalogue.
     pub classes: ClassRules,
-    /// The columns of points in files that do not name them, as the user says; has the last word over the catalogue.
+    /// The columns of points in files that do not name them, from the user; they override the catalogue.
     pub columns: Option<PointColumns>,
-    /// How the sensor is mounted, as the user says; has the last word.
+    /// The mounting of the sensor, from the user; it overrides all others.
     pub mounting: Mounting,
 }
 
 impl ReadOptions {
-    /// What the user says about the names of classes in the data set that is called `id_or_path`, here and in the catalogue.
+    /// The user's classes of names for the data set `id_or_path`, from these options and from the catalogue.
     pub fn classes_of<S>(&self, id_or_path: &str, catalogue: &Catalogue<S>) -> ClassRules {
         let of_entry = catalogue.recorded.get(id_or_path).map(|entry| &entry.classes);
         let table = of_entry.map_or_else(|| self.classes.table.clone(), |it| self.classes.table.or(it));
@@ -45,11 +45,11 @@ impl ReadOptions {
     }
 }
 
-/// Opens the data set on disk that the catalogue calls `id_or_path`, or else the one at that path.
+/// Opens the data set `id_or_path` of the catalogue or, if it has none, the one at this path.
 ///
-/// A folder that has the name of a catalogued data set is reached as `./name`. At a path the format is detected unless
-/// `format` says what to look for; what the files do not say (the classes and the height of the sensor) is taken to be
-/// as in the benchmark of the format.
+/// A folder with the name of a catalogued data set is reached as `./name`. At a path the format is detected, among all or
+/// only `format`; properties that the files do not state (the classes and the height of the sensor) are taken from the
+/// benchmark of the format.
 pub fn open_recorded<S>(
     id_or_path: &str,
     options: &ReadOptions,
@@ -157,7 +157,7 @@ fn open_catalogued(
     }
 }
 
-/// Whoever writes a name may mean the folder that has it.
+/// Fails if a folder here has the name of the data set, since the user may mean the folder.
 fn refuse_two_of_a_name(id: &str, root: &Path) -> Result<(), DatasetError> {
     let here = Path::new(id);
     let is_another = here.is_dir() && here.canonicalize().ok() != root.canonicalize().ok();
@@ -207,9 +207,9 @@ fn open_source(
     (entry_of(format).open)(source)
 }
 
-/// The name of the folder, or of the one above if it is only called after its split.
+/// The name of the folder, or of the one above if it is named after its split.
 fn name_of(found: &FoundDataset) -> String {
-    // A recording is called after its file.
+    // A recording is named after its file.
     if found.path.is_file() {
         return stem_of(&found.path);
     }

@@ -24,7 +24,7 @@ pub enum NumberType {
 }
 
 impl NumberType {
-    /// Bytes of such a number.
+    /// Size of such a number in bytes.
     pub fn n_bytes(self) -> usize {
         match self {
             Self::I8 | Self::U8 => 1,
@@ -47,16 +47,16 @@ pub enum ByteOrder {
 /// One number of every point.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct PackedField {
-    /// What it is called.
+    /// Its name.
     pub name: String,
-    /// Where it begins in a point, in bytes.
+    /// Its start in a point, in bytes.
     pub offset: usize,
-    /// How it is stored.
+    /// Type of its numbers.
     pub number: NumberType,
 }
 
 impl PackedField {
-    /// Whether it is called `name`, in upper or lower case and maybe as `CloudCompare` writes it.
+    /// Whether its name is `name`, in upper or lower case and with or without the prefix of `CloudCompare`.
     fn is_called(&self, name: &str) -> bool {
         let own = self.name.as_str();
         let prefix = own.get(..SCALAR.len()).filter(|it| it.eq_ignore_ascii_case(SCALAR));
@@ -67,11 +67,11 @@ impl PackedField {
 /// Points in rows: `n_rows` of `n_columns` points, with room between points and rows.
 #[derive(Debug, Clone)]
 pub struct PackedPoints<'a> {
-    /// What a point is made of.
+    /// The fields of a point.
     pub fields: Vec<PackedField>,
-    /// Points of a row.
+    /// Number of points in a row.
     pub n_columns: usize,
-    /// Rows.
+    /// Number of rows.
     pub n_rows: usize,
     /// Bytes from one point to the next.
     pub point_step: usize,
@@ -79,34 +79,34 @@ pub struct PackedPoints<'a> {
     pub row_step: usize,
     /// The byte order of all numbers.
     pub byte_order: ByteOrder,
-    /// All of them.
+    /// The bytes of all points.
     pub data: &'a [u8],
 }
 
-/// The names that the intensity goes by, in upper and lower case; the first that there is counts.
+/// The names of the intensity, in upper and lower case; the first that exists counts.
 const INTENSITY_NAMES: [&str; 7] =
     ["intensity", "intensities", "reflectivity", "reflectance", "remission", "remissions", "i"];
 
-/// What `CloudCompare` puts before the names of all numbers that are no coordinates.
+/// Prefix that `CloudCompare` puts before the names of all numbers that are no coordinates.
 const SCALAR: &str = "scalar_";
 
-/// The field that has the number of the laser.
+/// The field with the number of the laser.
 pub const RING: &str = "ring";
 
-/// The field in which scanbench has seconds after the time of the scan.
+/// The field in which scanbench writes seconds after the time of the scan.
 pub const TIME_OFFSET: &str = "time_offset_s";
 
 /// Fields of times after that of the scan, as scanbench, drivers of Velodyne and drivers of Ouster write them, with their
-/// unit in seconds. The type counts as well: a time in another one has a unit that nobody knows.
+/// unit in seconds. The type counts as well: the unit of a time of another type is unknown.
 const TIME_FIELDS: [(&str, NumberType, f64); 3] =
     [(TIME_OFFSET, NumberType::F32, 1.0), ("time", NumberType::F32, 1.0), ("t", NumberType::U32, 1e-9)];
 
-/// The field of `fields` that has the intensity, by whichever of its names.
+/// The field of `fields` that holds the intensity, under any of its names.
 pub fn intensity_field(fields: &[PackedField]) -> Option<&PackedField> {
     INTENSITY_NAMES.iter().find_map(|name| fields.iter().find(|it| it.is_called(name)))
 }
 
-/// The field of `fields` that says when a point was measured, after the time of the scan, and its unit in seconds.
+/// The field of `fields` with the time of a point after the time of the scan, and its unit in seconds.
 pub fn time_field(fields: &[PackedField]) -> Option<(&PackedField, f64)> {
     TIME_FIELDS.iter().find_map(|(name, number, unit_s)| {
         let is_it = |it: &&PackedField| it.name.eq_ignore_ascii_case(name) && it.number == *number;
@@ -148,7 +148,7 @@ impl PackedPoints<'_> {
         };
         let n_bytes = self.data.len();
         match (n_points, n_needed) {
-            // Points that nobody announced.
+            // Points that were not announced.
             (Some(0), _) if n_bytes > 0 => {
                 Err(format!("announces no points, but has {n_bytes} bytes of them"))
             }
@@ -168,9 +168,9 @@ impl PackedPoints<'_> {
         if self.point_step == 0 { 0 } else { self.n_rows * self.n_columns }
     }
 
-    /// The points in metres, with their lasers and times where there are [such](time_field) fields.
+    /// The points in metres, with their lasers and times if there are [fields](time_field) for them.
     ///
-    /// A cloud without points needs no fields either: drivers send such placeholders.
+    /// A cloud without points needs no fields: drivers send such placeholders.
     pub fn positioned(&self) -> Result<PositionedPoints, String> {
         self.check()?;
         if self.n_rows == 0 || self.n_columns == 0 {
@@ -202,7 +202,7 @@ impl PackedPoints<'_> {
         Ok(points)
     }
 
-    /// Takes lasers and times into `points`, which are these, by the types that `fields` have.
+    /// Takes lasers and times into `points`, made of the same rows, by the types of `fields`.
     pub fn take_lasers_and_times(
         &self,
         fields: &[PackedField],
@@ -222,7 +222,7 @@ impl PackedPoints<'_> {
         Ok(())
     }
 
-    /// The numbers of the field called `name`, if there is one.
+    /// The numbers of the field `name`, if there is one.
     pub fn column(&self, name: &str) -> Result<Option<Vec<f64>>, String> {
         self.check()?;
         let field = self.fields.iter().find(|it| it.is_called(name));

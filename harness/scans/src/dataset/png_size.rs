@@ -10,7 +10,7 @@ use super::DatasetError;
 /// Signature, length and name of the first chunk, width, height.
 const N_HEADER_BYTES: usize = 24;
 
-/// What every PNG file begins with, up to the name of its first chunk.
+/// The beginning of every PNG file, up to the name of its first chunk.
 const HEADER_START: [u8; 16] = *b"\x89PNG\r\n\x1a\n\x00\x00\x00\x0dIHDR";
 
 /// Width and height in pixels of the image at `path`, from the first 24 bytes of the file.

@@ -4,23 +4,23 @@ use std::borrow::Cow;
 
 use super::packed_points::{ByteOrder, NumberType, PackedField, PackedPoints};
 
-/// An array of points, one a row.
+/// An array with a point in each row.
 #[derive(Debug, Clone, PartialEq)]
 pub struct PointArray<'a> {
-    /// Rows.
+    /// Number of rows.
     pub n_points: usize,
-    /// Numbers of each.
+    /// Number of values in each row.
     pub n_columns: usize,
-    /// How they are stored.
+    /// Type of the values.
     pub number: NumberType,
-    /// The byte order of all of them.
+    /// The byte order of all values.
     pub byte_order: ByteOrder,
-    /// All of them, row by row.
+    /// The bytes of all values, row by row.
     pub data: Cow<'a, [u8]>,
 }
 
 impl<'a> PointArray<'a> {
-    /// The points of a `.bin` with so many columns: little-endian f32 and nothing else.
+    /// The points of a `.bin` with this many columns: little-endian f32 and nothing else.
     pub fn of_bin(bytes: &'a [u8], n_columns: usize) -> Self {
         let number = NumberType::F32;
         Self {
@@ -32,7 +32,7 @@ impl<'a> PointArray<'a> {
         }
     }
 
-    /// The same points, of which each is made of these fields.
+    /// The points as packed points with these fields.
     pub fn packed(&self, fields: Vec<PackedField>) -> PackedPoints<'_> {
         let point_step = self.n_columns * self.number.n_bytes();
         PackedPoints::in_a_row(fields, self.n_points, point_step, self.byte_order, &self.data)

@@ -31,27 +31,27 @@ named! {
 /// Columns of a point, in the order of the file.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct PointColumns {
-    // Invariant: x, y and z are there, and nothing but `Other` is there twice.
+    // Invariant: x, y and z are there, and no column but `Other` is there twice.
     columns: Vec<PointColumn>,
 }
 
 impl PointColumns {
-    /// Those of KITTI: x, y, z and intensity.
+    /// The columns of KITTI: x, y, z and intensity.
     pub fn of_kitti() -> Self {
         Self::of_three_and(&[PointColumn::Intensity])
     }
 
-    /// Those of nuScenes: x, y, z, intensity and ring.
+    /// The columns of nuScenes: x, y, z, intensity and ring.
     pub fn of_nuscenes() -> Self {
         Self::of_three_and(&[PointColumn::Intensity, PointColumn::Ring])
     }
 
-    /// x, y and z, and then those of `others`, of which each is there once at most, unless it is `Other`.
+    /// x, y and z, and then `others`, each of which is there once at most, unless it is `Other`.
     pub(super) fn of_three_and(others: &[PointColumn]) -> Self {
         Self { columns: [&[PointColumn::X, PointColumn::Y, PointColumn::Z], others].concat() }
     }
 
-    /// The first `n_columns` of these; what is beyond them is not read.
+    /// The first `n_columns` of these columns; columns beyond them are not read.
     pub(super) fn resized(&self, n_columns: usize) -> Self {
         let mut columns = self.columns.clone();
         columns.resize(n_columns.max(3), PointColumn::Other);
@@ -63,12 +63,12 @@ impl PointColumns {
         self.columns.len()
     }
 
-    /// Position of `column`, if it is there.
+    /// Position of `column`; `None` if it is missing.
     pub fn position_of(&self, column: PointColumn) -> Option<usize> {
         self.columns.iter().position(|it| *it == column)
     }
 
-    /// What is read, as fields of packed points whose numbers are all `number`.
+    /// The columns that are read, as fields of packed points whose numbers are all `number`.
     pub fn fields(&self, number: NumberType) -> Vec<PackedField> {
         let name = |it: &PointColumn| match it {
             PointColumn::Ring => RING,

@@ -1,10 +1,10 @@
-//! Which points belong to which box.
+//! The points of each box.
 
 use detector::{OrientedBox, PointCloud};
 
 use crate::annotation::Annotation;
 
-/// Gives every annotation that has a box the points in it, as [`points_of_boxes`] finds them; others keep theirs.
+/// Gives every annotation with a box the points in it, as [`points_of_boxes`] finds them; others keep theirs.
 pub fn assign_points_in_boxes(cloud: &PointCloud, annotations: &mut [Annotation]) {
     let mut boxed: Vec<&mut Annotation> =
         annotations.iter_mut().filter(|it| it.bounding_box.is_some()).collect();
@@ -49,7 +49,7 @@ struct Square {
 }
 
 impl Square {
-    /// Around `bounding_box`, whatever its yaw.
+    /// A rectangle around `bounding_box` for any yaw.
     fn around(bounding_box: &OrientedBox) -> Self {
         let [length_m, width_m, _] = bounding_box.length_width_height_m;
         // A little larger than half the diagonal, so that rounding never loses a point that the box contains.
@@ -70,7 +70,7 @@ impl Square {
     }
 }
 
-/// Indices of the boxes with their surroundings, the smallest box first.
+/// Indices of the boxes with their rectangles, the smallest box first.
 fn squares_by_volume(boxes: &[OrientedBox]) -> Vec<(usize, Square)> {
     let volume_m3 = |box_idx: usize| boxes[box_idx].length_width_height_m.iter().product::<f32>();
     let mut by_volume: Vec<usize> = (0..boxes.len()).collect();

@@ -1,9 +1,9 @@
 //! The points of a file that have a position: one rule for the readers of all formats.
 //!
 //! A point with a coordinate that is NaN or infinite was not measured. It is left out, and its index in the file is kept, so
-//! that whatever the file says point by point still finds its point. A coordinate that is a number and lies beyond what any
-//! sensor sees is damage. An intensity that is no number becomes 0. Numbers of lasers and times are taken where every point
-//! with a position has one.
+//! that values of the file for each point still find their points. A finite coordinate beyond the range of any sensor is
+//! damage. An intensity that is not finite becomes 0. Numbers of lasers and times are taken if every point with a position
+//! has one.
 
 use std::path::Path;
 
@@ -15,7 +15,7 @@ use crate::annotation::{Annotation, LabeledScan, ScanId};
 /// A coordinate farther from the origin than this, in metres, is damage.
 pub const MAX_COORDINATE_M: f64 = 10_000.0;
 
-/// No point of a scan is measured so many seconds before or after it.
+/// No point of a scan is measured more seconds before or after its time.
 pub const MAX_TIME_OFFSET_S: f64 = 10.0;
 
 /// Points of a file, taken in its order.
@@ -27,7 +27,7 @@ pub struct PositionedPoints {
 }
 
 impl PositionedPoints {
-    /// No points yet, with room for `capacity`.
+    /// No points, with room for `capacity`.
     pub fn with_capacity(capacity: usize) -> Self {
         Self { cloud: PointCloud::with_capacity(capacity), left_out: Vec::new() }
     }
@@ -38,7 +38,7 @@ impl PositionedPoints {
     ///
     /// If a coordinate is a number beyond [`MAX_COORDINATE_M`].
     pub fn push(&mut self, position_m: [f64; 3], intensity: f32) -> Result<(), String> {
-        // False for what is not a number.
+        // False for NaN.
         if position_m.iter().all(|it| it.abs() <= MAX_COORDINATE_M) {
             let intensity = if intensity.is_finite() { intensity } else { 0.0 };
             self.cloud.push(position_m.map(|it| it as f32), intensity);
@@ -58,7 +58,7 @@ impl PositionedPoints {
         ))
     }
 
-    /// The same points in another frame, with intensities in another unit.
+    /// The points in another frame, with intensities in another unit.
     #[must_use]
     pub fn converted(self, point: impl Fn([f32; 3], f32) -> ([f32; 3], f32)) -> Self {
         let mut cloud = PointCloud::with_capacity(self.cloud.len());
@@ -75,23 +75,22 @@ impl PositionedPoints {
         Self { cloud, left_out: self.left_out }
     }
 
-    /// How many points were taken, with and without a position.
+    /// Number of points that were taken, with and without a position.
     pub fn n_in_file(&self) -> usize {
         self.cloud.len() + self.left_out.len()
     }
 
-    /// Those that have a position.
+    /// The points that have a position.
     pub fn cloud(&self) -> &PointCloud {
         &self.cloud
     }
 
-    /// Of values that the file has for all its points, those of the points with a position.
+    /// The values of the points with a position, of values for all points of the file.
     pub fn values_of_kept<T: Copy>(&self, of_all: &[T]) -> Vec<T> {
         values_of_kept(of_all, &self.left_out)
     }
 
-    /// Takes numbers of lasers that the file has for all its points. Where one of them is no number of a laser, none is
-    /// taken.
+    /// Takes numbers of lasers for all points of the file. If a point with a position has no valid number, none is taken.
     pub fn take_rings(&mut self, of_all: &[f64]) {
         let ring_of = |it: f64| (it.fract() == 0.0 && (0.0..=65535.0).contains(&it)).then_some(it as u16);
         let rings: Option<Vec<u16>> = self.values_of_kept(of_all).into_iter().map(ring_of).collect();
@@ -100,7 +99,7 @@ impl PositionedPoints {
         }
     }
 
-    /// Takes times that the file has for all its points, in seconds after that of the scan. Where one of them is no time
+    /// Takes times for all points of the file, in seconds after that of the scan. If a point with a position has no time
     /// within [`MAX_TIME_OFFSET_S`], none is taken.
     pub fn take_time_offsets_s(&mut self, of_all: &[f64]) {
         let offset_of = |it: f64| (it.abs() <= MAX_TIME_OFFSET_S).then_some(it as f32);
@@ -115,13 +114,13 @@ impl PositionedPoints {
         (self.cloud, self.left_out)
     }
 
-    /// The scan of these points, of which everything is labelled.
+    /// The scan with these points, with everything labelled.
     pub fn labeled_everywhere(self, id: ScanId, annotations: Vec<Annotation>) -> LabeledScan {
         let (cloud, points_left_out) = self.into_parts();
         LabeledScan { points_left_out, ..LabeledScan::everywhere(id, cloud, annotations) }
     }
 
-    /// These, of a file that says how many there are: it may say that there are none. `path` is named in errors.
+    /// The points of a file that states their number, which may be 0. `path` is named in errors.
     ///
     /// # Errors
     ///
@@ -130,7 +129,7 @@ impl PositionedPoints {
         if self.left_out.is_empty() { Ok(self) } else { self.not_empty(path) }
     }
 
-    /// These, if there are any; `path` is named in errors.
+    /// The points, which must be some; `path` is named in errors.
     pub fn not_empty(self, path: &Path) -> Result<Self, DatasetError> {
         if !self.cloud.is_empty() {
             return Ok(self);
@@ -142,14 +141,14 @@ impl PositionedPoints {
     }
 }
 
-/// Of values for all points of a file, those of the points that are not at the indices `left_out`, which ascend.
+/// The values of the points that are not at the indices `left_out`, which ascend, of values for all points of a file.
 pub fn values_of_kept<T: Copy>(of_all: &[T], left_out: &[u32]) -> Vec<T> {
     let mut left_out = left_out.iter().copied().peekable();
     let kept = (0_u32..).zip(of_all).filter(|(index, _)| left_out.next_if_eq(index).is_none());
     kept.map(|(_, value)| *value).collect()
 }
 
-/// For each point of a file the value of `of_kept`, which has one for each point with a position; `None` at the indices
+/// For each point of a file, its value of `of_kept`, which has one for each point with a position; `None` at the indices
 /// `left_out`.
 pub fn values_of_file<T: Copy>(of_kept: &[T], left_out: &[u32]) -> Vec<Option<T>> {
     let mut left_out = left_out.iter().copied().peekable();
@@ -190,7 +189,7 @@ mod tests {
             assert!(problem.starts_with(&format!("has point 2 at y = {shown}")), "{problem}");
             assert!(problem.ends_with("beyond 10000 m from the origin"), "{problem}");
         }
-        // What was not measured says nothing, whatever its other coordinates are.
+        // A point that was not measured is left out, whatever its other coordinates are.
         let mut points = PositionedPoints::default();
         points.push([f64::NAN, 1e9, 0.0], 0.0).unwrap();
         assert_eq!(points.n_in_file(), 1);

@@ -1,4 +1,4 @@
-//! What a detector proposed as labels: a list beside them, so that labels that nobody has corrected are recognised.
+//! Boxes that a detector proposed as labels: a list beside the labels, by which uncorrected labels are recognised.
 
 use std::collections::BTreeSet;
 use std::path::Path;
@@ -14,7 +14,7 @@ pub const PROPOSALS_CSV: &str = "proposals.csv";
 
 const HEADER: &str = "center_x_m,center_y_m,center_z_m,length_m,width_m,height_m";
 
-/// Boxes to the centimetre, whichever scans they are of.
+/// Boxes to the centimetre, of all scans together.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
 pub struct ProposalList {
     lines: BTreeSet<String>,
@@ -36,7 +36,7 @@ impl ProposalList {
         self.lines.insert(line_of(proposed));
     }
 
-    /// Whether `labelled` is as it was proposed, but for its yaw.
+    /// Whether `labelled` is as proposed, apart from its yaw.
     pub fn contains(&self, labelled: &OrientedBox) -> bool {
         self.lines.contains(&line_of(labelled))
     }
@@ -50,7 +50,7 @@ impl ProposalList {
 
 fn line_of(bounding_box: &OrientedBox) -> String {
     let numbers = bounding_box.center_m.into_iter().chain(bounding_box.length_width_height_m);
-    // Not minus zero.
+    // No minus zero.
     let rounded = numbers.map(|it| format!("{:.2}", (f64::from(it) * 100.0).round() / 100.0 + 0.0));
     rounded.collect::<Vec<_>>().join(",")
 }

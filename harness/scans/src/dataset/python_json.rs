@@ -1,7 +1,7 @@
-//! JSON as Python writes it: numbers may be NaN, Infinity and -Infinity, for which JSON has no words.
+//! JSON as Python writes it: numbers may be NaN, Infinity and -Infinity, which JSON has no words for.
 //!
-//! These words are put into quotes before the text is parsed, and [`number`] and [`numbers`] take them as numbers, so that the
-//! format decides which of them mean something, and an error can say where they stand.
+//! These words are put into quotes before the text is parsed, and [`number`] and [`numbers`] take them as numbers. So each
+//! format decides which of them it accepts, and an error can say where they stand.
 
 use std::borrow::Cow;
 use std::fmt;
@@ -37,14 +37,14 @@ enum Place {
     InString,
     /// Behind a backslash.
     InEscape,
-    /// Behind a minus that has not been handed on.
+    /// Behind a minus that has not been passed on.
     Minus,
     /// In a word that needs quotes.
     Word,
 }
 
 impl Place {
-    /// Takes the next byte, and hands on what becomes of it.
+    /// Takes the next byte, and passes on the bytes that it becomes.
     fn take(&mut self, byte: u8, push: &mut impl FnMut(u8)) {
         match *self {
             Self::Word if byte.is_ascii_alphabetic() => return push(byte),
@@ -83,14 +83,14 @@ struct Quoting<R> {
     inner: R,
     place: Place,
     plain: Vec<u8>,
-    // Bytes of which the first `n_taken` have been handed on.
+    // Bytes of which the first `n_taken` have been passed on.
     quoted: Vec<u8>,
     n_taken: usize,
 }
 
 impl<R: Read> Read for Quoting<R> {
     fn read(&mut self, buffer: &mut [u8]) -> io::Result<usize> {
-        // A minus alone is kept for later, and nothing would be the end.
+        // A single minus is kept for later; returning no bytes would mean the end.
         while self.n_taken == self.quoted.len() {
             self.quoted.clear();
             self.n_taken = 0;
@@ -147,9 +147,9 @@ impl<'de> Deserialize<'de> for PythonNumber {
     }
 }
 
-/// Numbers that a file may have.
+/// Types of numbers that a file may have.
 pub trait Float: Sized {
-    /// The nearest to `value`.
+    /// The number nearest to `value`.
     fn of(value: f64) -> Self;
 }
 
@@ -170,12 +170,12 @@ pub fn number<'de, D: Deserializer<'de>, T: Float>(deserializer: D) -> Result<T,
     PythonNumber::deserialize(deserializer).map(|it| T::of(it.0))
 }
 
-/// A number or nothing.
+/// A number or null.
 pub fn number_or_none<'de, D: Deserializer<'de>, T: Float>(deserializer: D) -> Result<Option<T>, D::Error> {
     Ok(Option::<PythonNumber>::deserialize(deserializer)?.map(|it| T::of(it.0)))
 }
 
-/// So many numbers.
+/// `N` numbers.
 pub fn numbers<'de, D, T, const N: usize>(deserializer: D) -> Result<[T; N], D::Error>
 where
     D: Deserializer<'de>,
@@ -185,7 +185,7 @@ where
         .ok_or_else(|| D::Error::invalid_type(Unexpected::Unit, &"a list of numbers"))
 }
 
-/// So many numbers or nothing.
+/// `N` numbers or null.
 pub fn numbers_or_none<'de, D, T, const N: usize>(deserializer: D) -> Result<Option<[T; N]>, D::Error>
 where
     D: Deserializer<'de>,
@@ -198,7 +198,7 @@ where
     of_length.map(Some).map_err(|_| D::Error::invalid_length(n, &&*format!("{N} numbers")))
 }
 
-/// Makes sure that `values`, which the file calls `name`, are finite. Errors are the rest of a sentence about the object.
+/// Makes sure that `values` are finite; the file calls them `name`. Errors are the rest of a sentence about the object.
 pub fn check_finite(name: &str, values: &[f64]) -> Result<(), String> {
     match values.iter().find(|it| !it.is_finite()) {
         Some(value) => Err(format!("has {} in its {name}", in_python(*value))),
@@ -206,7 +206,7 @@ pub fn check_finite(name: &str, values: &[f64]) -> Result<(), String> {
     }
 }
 
-/// The word for what is no finite number.
+/// Python's word for a number that is not finite.
 fn in_python(value: f64) -> &'static str {
     match value {
         f64::INFINITY => "Infinity",

@@ -5,8 +5,8 @@ use std::path::PathBuf;
 
 /// A path whose variables are not yet replaced by their values.
 ///
-/// `${NAME}` stands for the variable's value, `${NAME:-default}` for the default where it has none or is empty, and a
-/// leading `~` for the home folder. There is no further meaning to `$`, and defaults hold no variables.
+/// `${NAME}` stands for the value of the variable, `${NAME:-default}` for the default if it has none or is empty, and a
+/// leading `~` for the home folder. `$` has no other meaning, and defaults hold no variables.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct RootTemplate {
     pieces: Vec<Piece>,
@@ -48,7 +48,7 @@ impl RootTemplate {
         Ok(Self { pieces })
     }
 
-    /// The path, with the values that `environment` gives for variables.
+    /// The path, with the values of variables from `environment`.
     pub fn expand(&self, environment: impl Fn(&str) -> Option<OsString>) -> Result<PathBuf, UnsetVariable> {
         let value_of = |name: &str| environment(name).filter(|value| !value.is_empty());
         let mut path = OsString::new();
@@ -71,7 +71,7 @@ impl RootTemplate {
         }
     }
 
-    /// The first variable in it, with which the user can say where the data are.
+    /// The first variable in it, by which the user can tell where the data are.
     pub fn variable(&self) -> Option<&str> {
         self.pieces.iter().find_map(|piece| match piece {
             Piece::Variable { name, .. } => Some(name.as_str()),

@@ -1,9 +1,9 @@
-//! Scans in files that do not name their columns, `.bin` and `.npy`: which columns they have is decided once for a data set.
+//! Scans in files that do not name their columns, `.bin` and `.npy`; the columns are decided once for a data set.
 //!
-//! `.bin`, as KITTI and nuScenes have it, is little-endian f32 and nothing else: x, y and z in metres, then mostly intensity,
-//! often ring, time or more. The user says what the columns are, or the numbers show how many
-//! there are; where they are too few for that, there are as many as the format has. What a column means is decided by what
-//! its numbers look like. Files that look unlike the others are refused.
+//! `.bin`, as KITTI and nuScenes have it, is little-endian f32 and nothing else: x, y and z in metres, then mostly
+//! intensity, often ring, time or more. The user names the columns, or the numbers show how many there are; if they are too
+//! few for that, there are as many as the format has. The meaning of a column is judged by its numbers. Files that look
+//! unlike the others are refused.
 
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
@@ -18,11 +18,11 @@ use super::point_array::PointArray;
 use super::point_columns::PointColumns;
 use super::positioned_points::PositionedPoints;
 
-/// So many scans are looked at, evenly spread, as long as they have no more bytes.
+/// At most this many scans are sampled, evenly spread, until they have more bytes than this.
 const N_LOOKED_AT: usize = 16;
 const MAX_LOOKED_AT_BYTES: usize = 16 << 20;
 
-/// How scans of a data set are read that do not name their columns.
+/// How to read scans of a data set that do not name their columns.
 #[derive(Debug)]
 pub struct ScanColumns {
     said: Option<PointColumns>,
@@ -31,16 +31,16 @@ pub struct ScanColumns {
     decided: OnceLock<Decided>,
 }
 
-/// What a look at some scans has shown.
+/// Result of a look at some scans.
 #[derive(Debug)]
 struct Decided {
     of_bin: SeenColumns,
-    // By the number of columns: what they are, or why nobody knows, as the rest of a sentence.
+    // By the number of columns: the columns, or why only the user can know them, as the rest of a sentence.
     meanings: BTreeMap<usize, Result<PointColumns, String>>,
 }
 
 impl ScanColumns {
-    /// Those of `scans`: as the user has `said`, or as numbers show; `usual` are those of the format.
+    /// The columns of `scans`: those that the user `said`, or those that numbers show; `usual` are those of the format.
     pub fn new(said: Option<PointColumns>, usual: PointColumns, scans: &[PathBuf]) -> Self {
         let unnamed: Vec<&PathBuf> = scans.iter().filter(|it| is_bin(it) || is_npy(it)).collect();
         let n = unnamed.len().min(N_LOOKED_AT);
@@ -50,16 +50,16 @@ impl ScanColumns {
 
     /// Reads the scan at `path`.
     ///
-    /// A `.bin` has no header, so that one cut between two points cannot be distinguished from a shorter scan.
+    /// A `.bin` has no header, so one cut between two points cannot be distinguished from a shorter scan.
     ///
     /// # Errors
     ///
-    /// If it is damaged, has other columns than the rest, or nobody can know which it has.
+    /// If it is damaged, has other columns than the rest, or only the user can know its columns.
     pub fn read(&self, path: &Path) -> Result<PositionedPoints, DatasetError> {
         self.parse(path, &bytes_of(path)?)
     }
 
-    /// The scan in `bytes`, which are those of the file at `path`.
+    /// The scan in `bytes` of the file at `path`.
     ///
     /// # Errors
     ///
@@ -73,15 +73,15 @@ impl ScanColumns {
         };
         let columns = self.columns_of(path, array.n_columns)?;
         let points = array.packed(columns.fields(array.number)).positioned().map_err(damaged)?;
-        // Only the header of an array can say that there are none.
+        // Only the header of an array can state that there are no points.
         if is_npy(path) { points.none_or_some(path) } else { points.not_empty(path) }
     }
 
-    /// What the columns are and how that is known; `None` if all scans name their columns.
+    /// The columns and how they are known; `None` if all scans name their columns.
     ///
     /// # Errors
     ///
-    /// If nobody can know it.
+    /// If only the user can know them.
     pub fn described(&self) -> Result<Option<String>, DatasetError> {
         let Some(first) = self.looked_at.first() else { return Ok(None) };
         if let Some(said) = &self.said {
@@ -140,7 +140,7 @@ impl ScanColumns {
         }
     }
 
-    /// What the `n_columns` columns of the scan at `path` are.
+    /// The `n_columns` columns of the scan at `path`.
     fn columns_of(&self, path: &Path, n_columns: usize) -> Result<PointColumns, DatasetError> {
         if let Some(said) = &self.said {
             if said.n_columns() == n_columns {
@@ -152,7 +152,7 @@ impl ScanColumns {
         match self.decided().meanings.get(&n_columns) {
             Some(Ok(columns)) => Ok(columns.clone()),
             Some(Err(problem)) => Err(unclear(path, problem)),
-            // No file with as many was looked at, or numbers are too few to show anything.
+            // No sampled file has as many columns, or numbers are too few to show them.
             None => Ok(self.usual.resized(n_columns)),
         }
     }
@@ -161,7 +161,7 @@ impl ScanColumns {
         self.decided.get_or_init(|| self.decide())
     }
 
-    /// A scan that cannot be read is passed over: it says so when it is read.
+    /// Samples the scans. One that cannot be read is ignored here: it fails when it is read.
     fn decide(&self) -> Decided {
         let (mut evidence, mut bins, mut n_bytes) = (ColumnEvidence::new(), Vec::new(), 0);
         let mut samples: BTreeMap<usize, ColumnSample> = BTreeMap::new();
@@ -202,7 +202,7 @@ fn either(one: usize, other: usize) -> String {
     format!("may have {one} or {other} numbers for each point")
 }
 
-/// Nobody but the user can know the columns of the scan at `path`.
+/// The error for a scan at `path` whose columns only the user can know.
 fn unclear(path: &Path, problem: &str) -> DatasetError {
     DatasetError::Usage(format!(
         "{path:?} {problem}: name what each number is with --columns, such as --columns x,y,z,intensity,ring,_"
@@ -271,7 +271,7 @@ mod tests {
         let bytes = points(&[[1.0; 4]; 3]);
         check_refused(&bytes[..41], &cut_off(41));
         check_refused(&[0; 7], &cut_off(7));
-        // A whole number of numbers, which five columns would divide, too.
+        // A whole number of values, which five columns would divide, too.
         let bytes = bytes_of(&drawn_scan(4000), |it| it[..4].to_vec());
         check_refused(&bytes[..60_020], &cut_off(60_020));
         let error = read(&bytes[..60]).expect_err("few numbers");
@@ -296,7 +296,7 @@ mod tests {
         );
     }
 
-    /// The scan is read alike whatever columns come behind the first four.
+    /// The scan is read alike for any columns behind the first four.
     #[track_caller]
     fn check_read(row: impl Fn(&DrawnPoint) -> Vec<f32>, described: &str, has_ring: bool) {
         for n in [4000, 4096, 19_200] {

@@ -1,4 +1,4 @@
-//! Which scans of a data set are run: `0..500:5`, `3..10`, `7` or `1,4,20..30`.
+//! A selection of scans of a data set: `0..500:5`, `3..10`, `7` or `1,4,20..30`.
 
 use std::collections::BTreeSet;
 use std::str::FromStr;
@@ -25,7 +25,7 @@ enum Part {
 impl ScanSelection {
     /// The selected positions among `n_scans`, ascending, each once.
     ///
-    /// A range may end beyond the last scan, so that `0..500` also does for shorter data sets.
+    /// A range may end beyond the last scan, so that `0..500` also works for shorter data sets.
     pub fn positions(&self, n_scans: usize) -> Result<Vec<usize>, DatasetError> {
         let mut positions = BTreeSet::new();
         for part in &self.parts {

@@ -1,5 +1,5 @@
-//! Sizes of the files of scans. Files that are not there, such as what a link of git-annex or DVC leads to before it is
-//! fetched, are refused by name, not passed over.
+//! Sizes of the files of scans. Missing files, such as targets of links of git-annex or DVC before they are fetched, are
+//! refused by name, not ignored.
 
 use std::path::{Path, PathBuf};
 
@@ -14,7 +14,7 @@ pub struct ScanSizes {
 }
 
 impl ScanSizes {
-    /// The size of the file at `path` in bytes; 0 of what is no file.
+    /// The size of the file at `path` in bytes; 0 if it is no file, which is noted.
     pub fn n_bytes_of(&mut self, path: &Path) -> u64 {
         match std::fs::metadata(path) {
             Ok(metadata) if metadata.is_file() => metadata.len(),
@@ -25,11 +25,11 @@ impl ScanSizes {
         }
     }
 
-    /// Refuses the files that cannot be read, which are below `folder`.
+    /// Fails if files cannot be read; they are below `folder`.
     ///
     /// # Errors
     ///
-    /// If there are any; where damage is to be skipped, they are errors when they are read.
+    /// If there are any, unless damage is skipped: then they are errors when they are read.
     pub fn check(&self, folder: &Path, damage: DamagePolicy) -> Result<(), DatasetError> {
         if self.unreadable.is_empty() || damage == DamagePolicy::Skip {
             return Ok(());

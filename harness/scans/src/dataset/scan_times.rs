@@ -1,4 +1,4 @@
-//! When the scans of a data set were taken.
+//! Times of the scans of a data set.
 
 use std::collections::HashMap;
 
@@ -7,22 +7,22 @@ use reports::numbers::blocks::DriveSecond;
 use super::{Dataset, Nearness};
 use crate::annotation::ScanId;
 
-/// Seconds from one scan number to the next where a data set does not say when scans were taken.
+/// Seconds from one scan number to the next where a data set has no times.
 const SECONDS_PER_NUMBER: f64 = 0.1;
 
-/// When a scan was taken, as far as is known.
+/// The time of a scan.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ScanTime {
-    /// In seconds since the first scan of its drive, in whole milliseconds; of a drive without time stamps a tenth of a
-    /// second for each scan number.
+    /// Seconds since the first scan of its drive, in whole milliseconds; in a drive without time stamps a tenth of a second
+    /// for each scan number.
     pub time_s: f64,
-    /// The same; `None` where that is no time, or does not matter because the user has named blocks.
+    /// `time_s`; `None` if that is no real time, or does not matter because the user has named blocks.
     pub known_s: Option<f64>,
-    /// What it is drawn with when intervals are estimated.
+    /// The unit that it is drawn with when intervals are estimated.
     pub second: DriveSecond,
 }
 
-/// When each scan of `dataset` was taken, and what it is drawn with.
+/// The time of each scan of `dataset`, and the unit that it is drawn with.
 pub fn scan_times(dataset: &dyn Dataset) -> Vec<ScanTime> {
     let scan = |(scan_idx, time_s): (usize, f64)| {
         let id = &dataset.scan_ids()[scan_idx];
@@ -36,12 +36,12 @@ pub fn scan_times(dataset: &dyn Dataset) -> Vec<ScanTime> {
     scan_times_s(dataset).into_iter().enumerate().map(scan).collect()
 }
 
-/// When each scan of `dataset` was taken, in seconds since the first scan of its drive, in whole milliseconds: by the time
-/// stamps of the data set or, of a drive without, a tenth of a second for each scan number.
+/// The time of each scan of `dataset`, in seconds since the first scan of its drive, in whole milliseconds: by the time
+/// stamps of the data set or, in a drive without them, a tenth of a second for each scan number.
 fn scan_times_s(dataset: &dyn Dataset) -> Vec<f64> {
     let scan_ids = dataset.scan_ids();
     let stamps_ns: Vec<Option<u64>> = (0..scan_ids.len()).map(|it| dataset.scan_time_ns(it)).collect();
-    // Of each drive; `None` once one of its scans has no time.
+    // By drive; `None` once one of its scans has no time.
     let mut starts_ns: HashMap<&str, Option<u64>> = HashMap::new();
     let drives: Vec<&str> =
         scan_ids.iter().enumerate().map(|(scan_idx, id)| drive(dataset, scan_idx, id)).collect();
@@ -57,7 +57,7 @@ fn scan_times_s(dataset: &dyn Dataset) -> Vec<f64> {
     scan_ids.iter().zip(&drives).zip(&stamps_ns).map(time_s).collect()
 }
 
-/// The drive that the time of a scan runs in.
+/// The drive whose first scan the time of a scan is counted from.
 fn drive<'a>(dataset: &'a dyn Dataset, scan_idx: usize, id: &'a ScanId) -> &'a str {
     match dataset.nearness() {
         Nearness::Times => dataset.scan_block(scan_idx).unwrap_or(&id.sequence),
@@ -114,7 +114,7 @@ mod tests {
             ],
             &[0.0, 0.5, 0.0, 0.103],
         );
-        // Stamps that do not ascend are what they are.
+        // Stamps that do not ascend are kept.
         check(&[("a", 0, Some(2_000_000_000)), ("a", 1, Some(1_000_000_000))], &[1.0, 0.0]);
     }
 
@@ -124,7 +124,7 @@ mod tests {
             &[("a", 3, None), ("a", 29, None), ("b", 5, Some(9)), ("b", 6, Some(9))],
             &[0.3, 2.9, 0.0, 0.0],
         );
-        // One stamp missing, and the others say nothing about how far apart it is.
+        // If one stamp is missing, the others do not tell how far apart it is.
         check(&[("a", 0, Some(0)), ("a", 1, None), ("a", 2, Some(900_000_000))], &[0.0, 0.1, 0.2]);
     }
 }

@@ -1,3 +1,3 @@
-//! Names that come from files, as they are shown.
+//! Names from files, as they are shown.
 
 pub use reports::files::shown_text::{is_printable, shown};

@@ -1,10 +1,10 @@
-//! What is remembered of a simulation that made scans.
+//! Record of a simulation that made scans.
 
 use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
 use serde_json::{Map, Value};
 
-/// What a simulator was asked for, in its own words. Here it only says that the scans are simulated.
+/// The request to a simulator, in its own words. Here it only tells that the scans are simulated.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(transparent)]
 pub struct Simulation(Map<String, Value>);
@@ -29,7 +29,7 @@ impl Simulation {
         texts
     }
 
-    /// What was asked for, as a simulator of the kind `T` puts it.
+    /// The request, as a simulator of the kind `T` puts it.
     pub fn read<T: DeserializeOwned>(&self) -> Result<T, serde_json::Error> {
         serde_json::from_value(Value::Object(self.0.clone()))
     }

@@ -1,4 +1,4 @@
-//! What a reader knows about the data set that it opens.
+//! Facts for the reader that opens a data set.
 
 use std::collections::BTreeSet;
 use std::path::PathBuf;
@@ -10,18 +10,18 @@ use super::point_columns::PointColumns;
 use super::simulation::Simulation;
 use super::{AnnotatedClasses, DatasetDescription};
 
-/// Where a data set lies, and what its files do not say.
+/// The path of a data set, and properties that its files do not state.
 #[derive(Debug, Clone, PartialEq)]
 pub struct DatasetSource {
     /// The name used in tables and files.
     pub id: String,
     /// The file, or the folder that holds the scans and labels in the layout of the format.
     pub path: PathBuf,
-    /// Which part of it is opened.
+    /// The part of it that is opened.
     pub parts: ChosenParts,
-    /// Who says what follows.
+    /// The source of the properties below.
     pub stated_by: StatedBy,
-    /// What its annotations cover.
+    /// The classes that its annotations cover.
     pub annotated: AnnotatedClasses,
     /// Height of the sensor above the road, in metres.
     pub sensor_height_m: f32,
@@ -29,19 +29,19 @@ pub struct DatasetSource {
     pub sensor: String,
     /// Its licence, where known.
     pub licence: Option<String>,
-    /// Where labels in KITTI's layouts say something.
+    /// The part of a scan that is labelled, in KITTI's layouts.
     pub labeled_region: LabeledRegion,
-    /// What a simulation was asked for, if it made the scans.
+    /// The request to the simulator, if it made the scans.
     pub simulation: Option<Simulation>,
-    /// What becomes of damaged parts that others do not depend on.
+    /// Handling of damaged parts that others do not depend on.
     pub damage: DamagePolicy,
-    /// What the names of classes in its labels stand for.
+    /// Rules for the names of classes in its labels.
     pub classes: ClassRules,
-    /// The columns of points in files that do not name them, as the user says.
+    /// The columns of points in files that do not name them, from the user.
     pub columns: Option<PointColumns>,
 }
 
-/// Which part of a data set is opened, as far as its format has such parts. What is left out is all there is.
+/// The part of a data set to open, if its format has such parts. `None` stands for all.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
 pub struct ChosenParts {
     /// Drives, logs or scenes of these names, such as `2011_09_26_drive_0001_sync` or `scene-0061`.
@@ -52,17 +52,17 @@ pub struct ChosenParts {
     pub topics: TopicChoice,
 }
 
-/// Which topics of a recording were asked for.
+/// The topics of a recording that were asked for.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
 pub struct TopicChoice {
-    /// That of the clouds, or the address of the sensor in a capture of packets; the only one if this is left out.
+    /// The topic of the clouds, or the address of the sensor in a capture of packets; the only one if `None`.
     pub cloud: Option<String>,
-    /// That of the annotations; `/annotations` or the only one if this is left out.
+    /// The topic of the annotations; `/annotations` or the only one if `None`.
     pub annotations: Option<String>,
 }
 
 impl TopicChoice {
-    /// These and, where one is left out, that of `other`.
+    /// These topics; that of `other` where one is missing.
     pub fn or(&self, other: &Self) -> Self {
         let either = |one: &Option<String>, other: &Option<String>| one.clone().or_else(|| other.clone());
         Self {
@@ -72,16 +72,16 @@ impl TopicChoice {
     }
 }
 
-/// Who says what the files of a data set do not.
+/// The source of properties that the files of a data set do not state.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum StatedBy {
-    /// Its entry in the catalogue, which has the last word.
+    /// Its entry in the catalogue, which overrides all others.
     Catalogue,
-    /// Nobody: it is taken to be as the benchmark of its format, unless it says otherwise itself.
+    /// It is taken to be as the benchmark of its format, unless its data sheet states otherwise.
     Nobody,
 }
 
-/// What becomes of damaged parts that others do not depend on.
+/// Handling of damaged parts that others do not depend on.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub enum DamagePolicy {
     /// They are errors.
@@ -92,7 +92,7 @@ pub enum DamagePolicy {
 }
 
 impl DatasetSource {
-    /// Takes over what the data set says about itself.
+    /// Takes over the data sheet of the data set.
     pub fn take_sheet(&mut self, sheet: DataSheet) {
         self.simulation = sheet.simulation;
         self.labeled_region = sheet.labeled_region;

@@ -1,4 +1,4 @@
-//! Text files of white-space separated fields, read so that every mistake is named with its line.
+//! Text files of white-space separated fields, with errors that name the line.
 
 use std::path::Path;
 use std::str::{FromStr, SplitWhitespace};
@@ -6,7 +6,7 @@ use std::str::{FromStr, SplitWhitespace};
 use super::DatasetError;
 use super::on_disk::bytes_of;
 
-/// Larger numbers than this are mistakes, whatever the unit; below it, no product of a few of them overflows.
+/// Larger numbers are mistakes, whatever the unit; below it, no product of a few of them overflows.
 const MAX_MAGNITUDE: f64 = 1e9;
 
 /// A field is quoted in messages up to this many characters.
@@ -35,7 +35,7 @@ pub struct TextLine<'a> {
 }
 
 impl<'a> TextLine<'a> {
-    /// The next field as it is; `name` is what the format calls it.
+    /// The next field as it is; `name` is its name in the format.
     pub fn word(&mut self, name: &str) -> Result<&'a str, DatasetError> {
         self.fields.next().ok_or_else(|| self.error(format!("ends before its {name}")))
     }
@@ -70,7 +70,7 @@ impl<'a> TextLine<'a> {
         self.fields.clone().next().is_some()
     }
 
-    /// Makes sure that nothing is left.
+    /// Makes sure that no field is left.
     pub fn end(mut self) -> Result<(), DatasetError> {
         match self.fields.next() {
             None => Ok(()),
@@ -78,7 +78,7 @@ impl<'a> TextLine<'a> {
         }
     }
 
-    /// Where this line is, for messages.
+    /// The place of this line, for messages.
     pub fn position(&self) -> String {
         format!("{:?}, line {}", self.path, self.line)
     }

@@ -1,14 +1,14 @@
-//! Pairs of scans and messages about them, by when both were taken.
+//! Pairs of scans and messages about them, by their times.
 //!
-//! A message belongs to the scan whose time stamp is nearest, if that is within half of the time between scans: whenever
-//! both were logged, in whatever order. Log times count only where all scans or all messages lack a stamp.
+//! A message belongs to the scan with the nearest time stamp, if it is within half of the time between scans; when both were
+//! logged, and in which order, does not matter. Log times count only where all scans or all messages lack a stamp.
 
 use std::collections::BTreeSet;
 
-/// Times farther apart belong together in no recording, in nanoseconds.
+/// Times farther apart never belong together, in nanoseconds.
 pub const MAX_OFFSET_NS: u64 = 50_000_000;
 
-/// A clock that stands still for so long while messages are logged is none, in nanoseconds.
+/// Stamps that stand still while messages are logged for this long are no clock, in nanoseconds.
 const MAX_STANDSTILL_NS: u64 = 1_000_000_000;
 
 /// Times of a message, in nanoseconds.
@@ -25,11 +25,11 @@ pub struct Moment {
 pub enum Clock {
     /// Their time stamps.
     Stamps,
-    /// When they were logged, since these have no stamps.
+    /// Times when they were logged, since stamps are missing.
     LogTimes {
-        /// Whether scans have none.
+        /// Whether scans have no stamps.
         scans_lack_stamps: bool,
-        /// Whether messages have none.
+        /// Whether messages have no stamps.
         messages_lack_stamps: bool,
     },
 }
@@ -40,7 +40,7 @@ pub struct TimePairs {
     // One for each scan.
     message_of_scan: Vec<Option<usize>>,
     clock: Clock,
-    // First and last time of the scans and of the messages, where none of them are near.
+    // First and last time of the scans and of the messages, if no message is near a scan.
     apart_ns: Option<[[u64; 2]; 2]>,
 }
 
@@ -59,7 +59,7 @@ impl TimePairs {
             scans_ns.iter().enumerate().map(|(scan_idx, at_ns)| (*at_ns, scan_idx)).collect();
         by_time.sort_unstable();
         let half_period_ns = half_period_ns(&by_time);
-        // For each scan the nearest message, and of those without a stamp only where no other is.
+        // The nearest message of each scan; one without a stamp only if there is no other.
         let mut nearest: Vec<Option<(bool, u64, usize)>> = vec![None; scans.len()];
         for (message_idx, at_ns) in messages_ns.iter().enumerate() {
             let (offset_ns, of_scans) = nearest_scans(&by_time, *at_ns);
@@ -85,7 +85,7 @@ impl TimePairs {
         self.message_of_scan.get(scan_idx).copied().flatten()
     }
 
-    /// The messages that belong to a scan.
+    /// The indices of the messages that belong to a scan.
     pub fn taken(&self) -> BTreeSet<usize> {
         self.message_of_scan.iter().flatten().copied().collect()
     }
@@ -95,8 +95,8 @@ impl TimePairs {
         self.clock
     }
 
-    /// What a user has to know about pairs of clouds with `messages`, such as `labels`: that they are made by log times, or
-    /// that none is near another. `None` if there is nothing to say.
+    /// A note for the user about pairs of clouds with `messages`, such as `labels`: that log times were used, or that no two
+    /// are near each other. `None` if there is nothing to note.
     pub fn note(&self, messages: &str) -> Option<String> {
         if let Some([[first_ns, last_ns], [other_first_ns, other_last_ns]]) = self.apart_ns {
             return Some(format!(
@@ -119,16 +119,16 @@ impl TimePairs {
     }
 }
 
-/// The times of `moments`: their stamps if they have any, else when they were logged.
+/// The times of `moments`: their stamps if there are any, else when they were logged.
 ///
-/// The few that lack a stamp are taken to be logged as late as the others.
+/// Those that lack a stamp are taken to be logged with the same delay as the others.
 pub fn times_ns(moments: &[Moment]) -> Vec<u64> {
     let lacks = !has_stamps(moments);
     let log_times = Clock::LogTimes { scans_lack_stamps: lacks, messages_lack_stamps: lacks };
     by_clock(moments, if lacks { log_times } else { Clock::Stamps })
 }
 
-/// How much later than their stamps messages are logged, in nanoseconds: the median of those with a stamp, if any has one.
+/// How much later than their stamps messages are logged, in nanoseconds: the median over messages with a stamp, if any.
 pub fn usual_delay_ns(moments: impl Iterator<Item = Moment>) -> Option<i64> {
     let delay_ns = |it: Moment| Some(it.log_time_ns.wrapping_sub(it.stamp_ns?).cast_signed());
     let mut delays_ns: Vec<i64> = moments.filter_map(delay_ns).collect();
@@ -155,7 +155,7 @@ fn by_clock(moments: &[Moment], clock: Clock) -> Vec<u64> {
     moments.iter().map(time_ns).collect()
 }
 
-/// Half of the usual time between scans, which ascend; `None` of fewer than two moments.
+/// Half of the usual time between scans, which ascend; `None` for fewer than two moments.
 fn half_period_ns(by_time: &[(u64, usize)]) -> Option<u64> {
     let pauses_ns = by_time.windows(2).map(|it| it[1].0 - it[0].0);
     let mut pauses_ns: Vec<u64> = pauses_ns.filter(|it| *it > 0).collect();
@@ -163,7 +163,7 @@ fn half_period_ns(by_time: &[(u64, usize)]) -> Option<u64> {
     pauses_ns.get(pauses_ns.len() / 2).map(|it| it.div_ceil(2))
 }
 
-/// How far the nearest of the scans, which ascend, is from `at_ns`, and all scans of that moment; the earlier of two that are
+/// Distance of `at_ns` from the nearest of the scans, which ascend, and all scans of that time; the earlier of two that are
 /// as near.
 fn nearest_scans(by_time: &[(u64, usize)], at_ns: u64) -> (u64, &[(u64, usize)]) {
     let n_before = by_time.partition_point(|it| it.0 < at_ns);
@@ -227,7 +227,7 @@ mod tests {
         let labels = [1000, 1100, 1200].map(|it| stamped(it, 500));
         let note = check(&logged, &labels, &[None; 3]).note("labels").unwrap();
         assert!(note.starts_with("no labels are near a cloud in time"), "{note}");
-        // A clock that stands still says nothing.
+        // Stamps that stand still are not used.
         let still = [0, 700, 1400].map(|delay_ms| stamped(7, delay_ms));
         let logged = [8, 708, 1408].map(unstamped);
         let note = check(&still, &logged, &[Some(0), Some(1), Some(2)]).note("labels").unwrap();
@@ -240,7 +240,7 @@ mod tests {
         let messages = [stamped(1000, 100), unstamped(1203), stamped(1200, 100)];
         let pairs = check(&scans, &messages, &[Some(0), Some(1), Some(2)]);
         assert_eq!((pairs.note("labels"), pairs.taken().len()), (None, 3));
-        // One with a stamp goes first.
+        // A message with a stamp goes first.
         check(&scans, &[unstamped(1100), stamped(1003, 100)], &[Some(1), None, None]);
         assert_eq!(times_ns(&messages), [1000 * MS, 1103 * MS, 1200 * MS]);
     }

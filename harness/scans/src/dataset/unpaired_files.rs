@@ -1,4 +1,4 @@
-//! Scans and labels that do not go together.
+//! Scans without labels, and labels without a scan.
 
 use std::fmt;
 use std::path::Path;
@@ -7,10 +7,10 @@ use super::DatasetError;
 use super::shown_name::shown;
 use super::source::DamagePolicy;
 
-/// So many are named; the others are counted.
+/// This many are named; the others are counted.
 const N_NAMED: usize = 5;
 
-/// Files of scans and of labels, one for each scan, where one lacks the other.
+/// Files of scans and of labels, one for each scan, that lack their counterpart.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
 pub struct UnpairedFiles {
     /// Scans without labels, in order.
@@ -20,12 +20,11 @@ pub struct UnpairedFiles {
 }
 
 impl UnpairedFiles {
-    /// What is left out of a data set: all of these if damage is to be skipped, and nothing if there are none. `labels` is
-    /// the folder of the labels.
+    /// The files to leave out of a data set: all of these if damage is skipped. `labels` is the folder of the labels.
     ///
     /// # Errors
     ///
-    /// If there are any that are not to be skipped; it names them.
+    /// If there are any, and damage is not skipped; the error names them.
     pub fn left_out(self, labels: &Path, damage: DamagePolicy) -> Result<Vec<LeftOut>, DatasetError> {
         let are_any = !self.scans.is_empty() || !self.labels.is_empty();
         if are_any && damage == DamagePolicy::Refuse {
@@ -45,12 +44,12 @@ impl UnpairedFiles {
     }
 }
 
-/// A part of a data set that was left out when it was opened, since it is damaged and that was to be skipped.
+/// A part of a data set that was left out when it was opened: it is damaged, and damage is skipped.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct LeftOut {
     /// The name of its file.
     pub name: String,
-    /// What is wrong with it, as the rest of a sentence about it.
+    /// The problem with it, as the rest of a sentence about it.
     pub reason: String,
 }
 
@@ -69,7 +68,7 @@ impl fmt::Display for UnpairedFiles {
     }
 }
 
-/// The first of `names`, and how many more there are.
+/// The first of `names`, and the number of the others.
 pub fn few_of(names: &[String]) -> String {
     let named: Vec<_> = names.iter().take(N_NAMED).map(|it| shown(it)).collect();
     match names.len().saturating_sub(N_NAMED) {

@@ -3,7 +3,7 @@
 use detector::OrientedBox;
 use nalgebra::{Isometry3, Translation3, UnitQuaternion, Vector3};
 
-/// The box whose centre and turn are `frame_from_box`, set upright: its heading on the ground plan is kept. Metres.
+/// The box with the centre and turn `frame_from_box`, set upright: its heading on the ground plan is kept. Metres.
 pub fn upright_box(frame_from_box: &Isometry3<f64>, length_width_height_m: [f64; 3]) -> OrientedBox {
     let center_m: [f64; 3] = frame_from_box.translation.vector.into();
     let heading = frame_from_box.rotation * Vector3::x();
@@ -14,7 +14,7 @@ pub fn upright_box(frame_from_box: &Isometry3<f64>, length_width_height_m: [f64;
     }
 }
 
-/// Where `bounding_box` is and how it is turned, in its own frame.
+/// The pose of `bounding_box`, in the frame that its values are in.
 pub fn pose_of_box(bounding_box: &OrientedBox) -> Isometry3<f64> {
     let [x_m, y_m, z_m] = bounding_box.center_m.map(f64::from);
     let turn = UnitQuaternion::from_axis_angle(&Vector3::z_axis(), f64::from(bounding_box.yaw_rad));

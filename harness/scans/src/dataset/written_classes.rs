@@ -1,4 +1,4 @@
-//! How files write which objects a data set labels: `"every-object"` or a list of classes.
+//! How files write the objects that a data set labels: `"every-object"` or a list of classes.
 
 use std::collections::BTreeSet;
 use std::fmt;
@@ -10,7 +10,7 @@ use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
 use super::AnnotatedClasses;
 
-/// The word for all of them.
+/// The word for all objects.
 const EVERY_OBJECT: &str = "every-object";
 
 impl Serialize for AnnotatedClasses {

@@ -1,7 +1,7 @@
 //! Argoverse 2's tables of detections: boxes in the frame of the car, by log and time.
 //!
 //! Columns: `log_id`, `timestamp_ns`, `category`, `score`, `tx_m`, `ty_m`, `tz_m`, `length_m`, `width_m`, `height_m`, `qw`,
-//! `qx`, `qy`, `qz`. A table says of all sweeps of a log that it names what was found; no row is nothing.
+//! `qx`, `qy`, `qz`. A table holds the detections of all sweeps of the logs that it names; a sweep without a row has none.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
@@ -46,7 +46,7 @@ struct CarBox {
 }
 
 impl Argoverse2Tables {
-    /// Reads the tables at `paths`; `root` is what was named.
+    /// Reads the tables at `paths`; `root` is the path from the user.
     pub fn open(root: &Path, paths: &[&Path], of: ResultsOf<'_>) -> Result<OpenResults, DatasetError> {
         let say = "names scans by the logs and times of Argoverse 2";
         of.require(root, |it| matches!(it, ForeignFrame::Car { .. }), say, "has none")?;
@@ -86,7 +86,7 @@ impl Argoverse2Tables {
         let mut take = |name: &str| table.take_numbers(name).map_err(damaged);
         let [scores, lengths_m, widths_m, heights_m] =
             [take("score")?, take("length_m")?, take("width_m")?, take("height_m")?];
-        // Only tables that we wrote have it.
+        // Only our own tables have this column.
         let unlikely = table.take_integers(UNLIKELY).ok();
         let poses = take_poses(&mut table).map_err(damaged)?;
         let n_rows = logs.len();

@@ -1,4 +1,4 @@
-//! What another program found in one scan.
+//! Detections of another program in one scan.
 
 use detector::OrientedBox;
 use reports::vocabulary::class::AnnotationClass;
@@ -7,42 +7,41 @@ use crate::dataset::kitti::label::KittiObject;
 use crate::dataset::official::OfficialObject;
 use crate::dataset::positioned_points::MAX_COORDINATE_M;
 
-/// A side of a box that is longer than this, in metres, is damage.
+/// A longer side of a box is damage, in metres.
 pub const MAX_SIDE_M: f32 = 1000.0;
 /// More boxes of one scan are damage.
 pub const MAX_BOXES: usize = 100_000;
 
-/// What another program found in one scan, in the frame of the scan.
+/// Detections of another program in one scan, in the frame of the scan.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct ForeignDetections {
     /// For every point of the cloud the number of its cluster: 0 is none, others begin at 1 and may have gaps. `None` if
     /// there are only boxes.
     pub clusters: Option<Vec<u32>>,
-    /// The class of cluster *k* at index *k* − 1, where classes of clusters are known; empty where they are not, or boxes
-    /// say it.
+    /// The class of cluster *k* at index *k* − 1, if clusters have classes; empty if they have none, or boxes have them.
     pub cluster_classes: Vec<Option<AnnotationClass>>,
-    /// The boxes; beside clusters, that of cluster *k* at index *k* − 1.
+    /// The boxes; if there are clusters, that of cluster *k* at index *k* − 1.
     pub boxes: Vec<ForeignBox>,
-    /// Of KITTI's files, what a line says of each of `boxes`, to the last digit; `None` of others.
+    /// The lines of `boxes` in KITTI's files, to the last digit; `None` for other files.
     pub kitti_objects: Option<Vec<KittiObject>>,
-    /// The boxes as the file has them, in the same order; empty where the format has no evaluation of its makers.
+    /// The boxes as in the file, in the same order; empty if the makers of the format have no evaluation.
     pub official: Vec<OfficialObject>,
-    /// For every point of the cloud its label, class and instance, where results are in SemanticKITTI's format.
+    /// For every point of the cloud its label, class and instance, if results are in SemanticKITTI's format.
     pub point_labels: Option<Vec<u32>>,
 }
 
-/// A box that another program found.
+/// A box detected by another program.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ForeignBox {
     /// The box, in the frame of the scan.
     pub bounding_box: OrientedBox,
-    /// What it is taken for. [`AnnotationClass::Misc`] is known to be nothing of the others; `None` if nobody says.
+    /// Its class. [`AnnotationClass::Misc`] is known to be none of the others; `None` if the file has no class.
     pub class: Option<AnnotationClass>,
     /// How sure the program is; more is surer.
     pub score: Option<f32>,
-    /// How sure it is of the box, where files say it beside.
+    /// How sure it is of the box, if files have a score for this as well.
     pub box_score: Option<f32>,
-    /// Whether only protocols that rank boxes count it: files of our own detectors say so of unlikely vehicles.
+    /// Whether only protocols that rank boxes count it: so are unlikely vehicles in files of our own detectors.
     pub is_unlikely: bool,
 }
 
@@ -52,13 +51,13 @@ impl ForeignDetections {
         Self { boxes, ..Self::default() }
     }
 
-    /// Makes sure that they can be those of a scan of `n_points`, as the protocol for detectors does. Errors say what is
-    /// wrong.
+    /// Makes sure that they can be detections in a scan of `n_points`, as the protocol for detectors does. Errors say what
+    /// is wrong.
     ///
     /// # Errors
     ///
-    /// If there are more than [`MAX_BOXES`]; a number is NaN or infinite; a side is not above 0 and at most [`MAX_SIDE_M`]; a
-    /// centre lies beyond [`MAX_COORDINATE_M`]; there is no cluster for each point, or no box for a cluster beside others.
+    /// If there are more than [`MAX_BOXES`]; a number is NaN or infinite; a side is not above 0 and at most [`MAX_SIDE_M`];
+    /// a centre is beyond [`MAX_COORDINATE_M`]; points lack clusters; or clusters lack boxes, though there are some.
     pub fn check(&self, n_points: usize) -> Result<(), String> {
         if self.boxes.len() > MAX_BOXES {
             return Err(format!("there are {} boxes, more than {MAX_BOXES}", self.boxes.len()));

@@ -1,4 +1,4 @@
-//! From a path to what another program found in the scans of a data set.
+//! Reads the results of another program for a data set from a path.
 
 use std::collections::BTreeMap;
 use std::fmt::Write as _;
@@ -22,43 +22,43 @@ use crate::dataset::folder_name::folder_name;
 use crate::dataset::on_disk::{bytes_of, entries_of, n_bytes_of};
 use crate::dataset::{Dataset, DatasetError};
 
-/// So many names are listed in messages.
+/// At most this many names are listed in messages.
 const MAX_LISTED: usize = 10;
 
 /// Boxes nearer than this should hold points, in metres.
 const NEAR_M: f32 = 40.0;
 
-/// More empty boxes than this share, and something is wrong with frames, calibration or times.
+/// If a greater share of boxes is empty, something is wrong with frames, calibration or times.
 const MAX_EMPTY_SHARE: f64 = 0.5;
 
-/// So many folders are looked into for results where there should be some.
+/// At most this many folders are searched for results.
 const MAX_LOOKED_INTO: usize = 20;
 
-/// So many boxes of a scan are looked at for it.
+/// At most this many boxes of a scan are counted for it.
 const MAX_COUNTED: usize = 1000;
 
-/// What becomes of scans that the results do not have.
+/// Handling of scans without results.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub enum MissingResults {
     /// They are errors.
     #[default]
     Refuse,
-    /// Nothing was found there.
+    /// They count as scans without detections.
     AreEmpty,
 }
 
-/// Which results are asked for, and what they do not say.
+/// The results that are asked for, and how to read them.
 #[derive(Debug, Clone, Copy)]
 pub struct ResultRequest<'a> {
     /// The scans that are asked for, as indices in [`Dataset::scan_ids`].
     pub scan_indices: &'a [usize],
-    /// What names of classes stand for, as the user says.
+    /// Classes of names, from the user.
     pub classes: &'a ClassTable,
-    /// What becomes of scans that the results do not have.
+    /// Handling of scans without results.
     pub missing: MissingResults,
 }
 
-/// What another program found in the scans of a data set.
+/// Detections of another program in the scans of a data set.
 pub struct ForeignResults {
     path: PathBuf,
     format: ResultFormat,
@@ -73,8 +73,8 @@ pub struct ForeignResults {
     n_empty_boxes: usize,
 }
 
-/// Opens the results at `path`, a file or folder whose format is recognised by its content; `recording.mcap:/topic` names a
-/// topic, too.
+/// Opens the results at `path`, a file or folder whose format is recognised by its content; `recording.mcap:/topic` also
+/// names a topic.
 pub fn open_results(
     path: &Path,
     dataset: &dyn Dataset,
@@ -99,7 +99,7 @@ pub fn open_results(
     })
 }
 
-/// The folders directly in `path` that have what is asked for, as `--detections-out` writes them: one for each detector, and
+/// The folders in `path` with the results that are asked for, as `--detections-out` writes them: one for each detector, and
 /// in it one for each data set.
 fn folders_with_results(path: &Path, dataset: &dyn Dataset, request: &ResultRequest<'_>) -> Vec<PathBuf> {
     let mut folders = entries_of(path).unwrap_or_default();
@@ -152,23 +152,23 @@ fn open_at(
 }
 
 impl ForeignResults {
-    /// What the format is called on screens.
+    /// The format; its name is shown on screens.
     pub fn format(&self) -> ResultFormat {
         self.format
     }
 
-    /// Changes when other results lie there. Like the checksum of a data set it has the content of all files; of recordings
-    /// it has the size. Where each scan has files of its own, it has only those of the scans that are asked for.
+    /// A checksum that changes with the results. Like that of a data set it covers the content of all files, but of
+    /// recordings the size. If each scan has files of its own, it covers only those of the scans that are asked for.
     pub fn checksum(&self) -> &str {
         &self.checksum
     }
 
-    /// The files that the checksum is of, by name: SHA-256 of their content; of recordings the size.
+    /// The files that the checksum covers, by name: SHA-256 of their content, but of recordings the size.
     pub fn files(&self) -> &BTreeMap<String, String> {
         &self.files
     }
 
-    /// Reads what was found in `scan`; `None` if there is nothing for it, and that counts as nothing found.
+    /// Reads the detections in `scan`; `None` if there are no results for it, and that counts as no detections.
     pub fn read(&mut self, scan: &LabeledScan) -> Result<Option<ForeignDetections>, DatasetError> {
         let Some(&scan_idx) = self.asked.get(&scan.id) else {
             return Err(self.lacks(&[&scan.id], 1));
@@ -187,8 +187,8 @@ impl ForeignResults {
         Ok(Some(found))
     }
 
-    /// What may be wrong, a line each: after opening what is there and what not, and after the last scan what its boxes are
-    /// like.
+    /// Possible errors, a line each: after opening about results that are missing or left over, and after the last scan
+    /// about its boxes.
     pub fn warnings(&self) -> Vec<String> {
         let mut warnings = Vec::new();
         let path = &self.path;
@@ -256,7 +256,7 @@ impl ForeignResults {
     }
 }
 
-/// The checksum of all files with results, and that of each by its name.
+/// The checksum of all files with results, and the checksum of each by its name.
 fn checksums_of(
     format: ResultFormat,
     files: &ResultFiles,
@@ -277,7 +277,7 @@ fn checksums_of(
     };
     let (mut checksum, mut of_files) = (DatasetChecksum::default(), BTreeMap::new());
     for path in paths {
-        // Empty for a file that was named itself.
+        // Empty if the user named the file itself.
         let name = path.strip_prefix(files.root()).unwrap_or(&path).to_string_lossy().into_owned();
         let of_file = if format == ResultFormat::Recording {
             let n_bytes = n_bytes_of(&path)?;
@@ -294,7 +294,7 @@ fn checksums_of(
     Ok((checksum.finish(), of_files))
 }
 
-/// The first of `names`, and how many more there are.
+/// The first of `names`, and the number of the others.
 fn listed(names: &[String]) -> String {
     let first = names[..names.len().min(MAX_LISTED)].join(", ");
     match names.len().saturating_sub(MAX_LISTED) {

@@ -1,8 +1,8 @@
 //! KITTI's text files: boxes in the rectified camera frame, with the score in the last column.
 //!
-//! Of the object benchmark a file for each scan (`000000.txt`), of the tracking benchmark one for each drive (`0001.txt`),
-//! whose lines begin with the number of the scan and the track. `DontCare` is passed over. A drive's file says of all its
-//! scans what was found; no line is nothing.
+//! A file for each scan in the object benchmark (`000000.txt`), for each drive in the tracking benchmark (`0001.txt`), whose
+//! lines begin with the number of the scan and the track. `DontCare` is skipped. A drive's file holds the detections of all
+//! its scans; a scan without a line has none.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
@@ -70,7 +70,7 @@ impl KittiText {
         Ok(labels)
     }
 
-    /// The scans that the files of drives name and the data set does not have.
+    /// The scans in the files of drives that the data set does not have.
     fn left_over(&self) -> Vec<String> {
         let known: BTreeSet<(&str, u32)> =
             self.scan_ids.iter().map(|it| (it.sequence.as_str(), it.index)).collect();
@@ -81,7 +81,7 @@ impl KittiText {
         of_drives.collect()
     }
 
-    /// Scans before the first or after the last that the file of their drive names: perhaps nobody looked at them.
+    /// Notes on scans before the first or after the last scan in the file of their drive: they may not have been processed.
     fn oddities(&self) -> Vec<String> {
         let mut oddities = Vec::new();
         for (drive, scans) in &self.drives {

@@ -1,7 +1,7 @@
-//! What other programs found in the scans of a data set, read from their files.
+//! Detections of other programs in the scans of a data set, read from their files.
 //!
 //! A format is a file here with a type that implements [`ResultReader`](result_reader::ResultReader);
-//! [`open_results`](foreign_results::open_results) recognises the format and checks what it gives.
+//! [`open_results`](foreign_results::open_results) recognises the format and checks the detections.
 
 pub mod detections;
 pub mod points_in_boxes;

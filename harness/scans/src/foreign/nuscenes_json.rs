@@ -5,8 +5,8 @@
 //!   "detection_name": "car", "detection_score": 0.9, "attribute_name": "…"}]}}
 //! ```
 //!
-//! Those of the tracking task (`tracking_name`, `tracking_score`) are read as well. The file is read box by box, and only
-//! asked scans are kept.
+//! Submissions to the tracking task (`tracking_name`, `tracking_score`) are read as well. The file is read box by box, and
+//! only scans that are asked for are kept.
 
 use std::collections::BTreeMap;
 use std::fmt;
@@ -29,17 +29,17 @@ use crate::dataset::pose::pose;
 use crate::dataset::python_json::{check_finite, number_or_none, numbers, numbers_or_none, python_json};
 use crate::dataset::upright_box::upright_box;
 
-/// The names of the detection task that are not those of the labels.
+/// The names of the detection task that differ from those of the labels.
 pub const NUSCENES_VOCABULARY: &Vocabulary = &[
     ("construction_vehicle", AnnotationClass::Misc),
     ("traffic_cone", AnnotationClass::StreetFurniture),
     ("barrier", AnnotationClass::StreetFurniture),
 ];
 
-/// What says of a cycle that somebody rides it.
+/// The attribute of a cycle with a rider.
 pub const WITH_RIDER: &str = "cycle.with_rider";
 
-/// The makers' kit refuses submissions with more boxes of a sample.
+/// The makers' kit refuses submissions with more boxes in a sample.
 const MOST_BOXES: usize = 500;
 
 /// The results of a submission.
@@ -84,7 +84,7 @@ impl NuScenesJson {
     }
 }
 
-/// What the makers would say of samples with so many boxes.
+/// The warning that the makers refuse samples with so many boxes; `None` if all have few enough.
 fn too_many_boxes(n_of_samples: impl Iterator<Item = usize>) -> Option<String> {
     let too_many: Vec<usize> = n_of_samples.filter(|it| *it > MOST_BOXES).collect();
     let most = too_many.iter().max()?;
@@ -118,7 +118,7 @@ struct BoxRecord {
     detection_name: String,
     #[serde(default, alias = "tracking_score", deserialize_with = "number_or_none")]
     detection_score: Option<f64>,
-    // NaN where it is unknown, as the makers' kit takes it.
+    // NaN if it is unknown, as the makers' kit takes it.
     #[serde(default, deserialize_with = "numbers_or_none")]
     velocity: Option<[f64; 2]>,
     #[serde(default)]
@@ -128,7 +128,7 @@ struct BoxRecord {
 }
 
 impl BoxRecord {
-    /// Makes sure that what has to be a number is one. Errors are the rest of a sentence about the box.
+    /// Makes sure that all numbers are finite where they must be. Errors are the rest of a sentence about the box.
     fn check(&self) -> Result<(), String> {
         check_finite("translation", &self.translation)?;
         check_finite("size", &self.size)?;
@@ -157,7 +157,7 @@ impl BoxRecord {
         })
     }
 
-    /// The same as the file has it. Errors are the rest of a sentence about the box.
+    /// The box as in the file. Errors are the rest of a sentence about the box.
     fn official(&self) -> Result<OfficialObject, String> {
         let [width_m, length_m, height_m] = self.size;
         let world_from_box = pose(self.translation, self.rotation)?;
@@ -170,7 +170,7 @@ impl BoxRecord {
     }
 }
 
-/// Takes a submission apart while it is read.
+/// Keeps the boxes of a submission while it is read.
 struct Submission<'a, 'c> {
     path: &'a Path,
     // By token: the scan, and the transform from the world to the sensor.
@@ -202,7 +202,7 @@ impl<'de> Visitor<'de> for &mut Submission<'_, '_> {
     }
 }
 
-/// The boxes by sample.
+/// Reads the boxes by sample.
 struct Results<'s, 'a, 'c>(&'s mut Submission<'a, 'c>);
 
 impl<'de> DeserializeSeed<'de> for Results<'_, '_, '_> {
@@ -231,7 +231,7 @@ impl<'de> Visitor<'de> for Results<'_, '_, '_> {
             let mut found = ForeignDetections::default();
             for (index, record) in map.next_value::<Vec<BoxRecord>>()?.iter().enumerate() {
                 let at = || format!("{:?}, box {index} of the sample {token:?}", submission.path);
-                // Names that nobody knows are refused in the end, all at once.
+                // Unknown names are refused in the end, all at once.
                 let Some(class) = submission.classes.class_of(&record.detection_name, at) else { continue };
                 let damaged =
                     |problem| A::Error::custom(format!("box {index} of the sample {token:?} {problem}"));

@@ -1,4 +1,4 @@
-//! What `scanbench detect` writes: the cluster of every point of a scan's file, and boxes.
+//! The files of `scanbench detect`: the cluster of every point of a scan's file, and boxes.
 //!
 //! ```text
 //! NNNNNN.u32   four bytes a point, little endian: 0 is no cluster, others begin at 1
@@ -6,10 +6,10 @@
 //! NNNNNN.csv   id,class,score,center_x_m,center_y_m,center_z_m,length_m,width_m,height_m,yaw_rad,…: boxes
 //! ```
 //!
-//! A scan has clusters, boxes, or both; of two files in CSV one is called `NNNNNN.clusters.csv` or `NNNNNN.boxes.csv`. Of
-//! the columns of boxes `id`, `class`, `score`, `box_score` and `unlikely` may be left out, and others may be there. The
-//! class is any name; `object` is none of the vehicles, and an empty one not known. Of unlikely vehicles, which are `true`
-//! in `unlikely`, only protocols that rank boxes take notice. Beside clusters the box in row *k* is that of cluster *k*.
+//! A scan has clusters, boxes, or both; if both are in CSV, one is called `NNNNNN.clusters.csv` or `NNNNNN.boxes.csv`. The
+//! columns `id`, `class`, `score`, `box_score` and `unlikely` of boxes may be left out, and there may be others. The class
+//! is any name; `object` is no vehicle, and an empty class is unknown. Unlikely vehicles, with `true` in `unlikely`, count
+//! only in protocols that rank boxes. If there are clusters, the box in row *k* is that of cluster *k*.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
@@ -27,10 +27,10 @@ use crate::dataset::on_disk::bytes_of;
 use crate::dataset::positioned_points::values_of_kept;
 use crate::dataset::semantic_kitti::label_file::parse_label_file;
 
-/// The endings of the files. A file that ends in the last may be of either kind.
+/// The endings of the files. A file with the last one may be of either kind.
 pub const ENDINGS: [&str; 4] = [".u32", ".clusters.csv", ".boxes.csv", ".csv"];
 
-/// What `detect` calls a thing that it takes for no vehicle.
+/// Name in files of `detect` for an object that is no vehicle.
 const VOCABULARY: &Vocabulary = &[("object", AnnotationClass::Misc)];
 
 /// The columns that boxes need.
@@ -85,7 +85,7 @@ impl ResultReader for OwnFiles {
     }
 }
 
-/// What is in a file.
+/// Content of a file.
 #[derive(Debug, PartialEq)]
 enum Part {
     /// The cluster of each point of the scan's file.
@@ -165,7 +165,7 @@ fn cluster_of(record: &csv::StringRecord, [point, cluster]: [usize; 2], index: u
     })
 }
 
-/// Where what is in a row of boxes.
+/// Columns of the values of a box.
 struct BoxColumns {
     numbers: Vec<usize>,
     id: Option<usize>,
@@ -176,7 +176,7 @@ struct BoxColumns {
 }
 
 impl BoxColumns {
-    /// The box of row `row`, from 1; `None` if nobody knows its class, which is noted.
+    /// The box of row `row`, from 1; `None` if its class is unknown, which is noted.
     fn foreign_box(
         &self,
         record: &csv::StringRecord,

@@ -2,30 +2,30 @@
 
 use detector::{OrientedBox, PointCloud};
 
-/// All boxes of a scan together hold no more points than this: what holds more is no detection of objects, and fills the
-/// memory.
+/// The most points that all boxes of a scan together may hold: boxes with more are no detections of objects, and would fill
+/// the memory.
 const MOST_POINTS: usize = 50_000_000;
 
-/// The points of a scan in the order of x, so that a box is compared with few.
+/// The points of a scan in the order of x, so that a box is compared with few of them.
 pub struct PointsAlongX {
     sorted: Vec<(f32, u32)>,
     n_found: usize,
 }
 
 impl PointsAlongX {
-    /// Those of `cloud`.
+    /// Sorts the points of `cloud`.
     pub fn of(cloud: &PointCloud) -> Self {
         let mut sorted: Vec<(f32, u32)> = cloud.x_m().iter().copied().zip(0..).collect();
         sorted.sort_unstable_by(|first, second| first.0.total_cmp(&second.0));
         Self { sorted, n_found: 0 }
     }
 
-    /// Whether any point of the same `cloud` is inside or on `bounding_box`.
+    /// Whether any point of `cloud`, which must be the same, is inside or on `bounding_box`.
     pub fn is_any_inside(&self, cloud: &PointCloud, bounding_box: &OrientedBox) -> bool {
         self.near(bounding_box).any(|it| bounding_box.contains(cloud.position_m(it as usize)))
     }
 
-    /// Indices of the points of the same `cloud` inside or on `bounding_box`, ascending.
+    /// Indices of the points of `cloud`, which must be the same, inside or on `bounding_box`, ascending.
     pub fn inside(&mut self, cloud: &PointCloud, bounding_box: &OrientedBox) -> Result<Vec<u32>, String> {
         let is_inside = |it: &u32| bounding_box.contains(cloud.position_m(*it as usize));
         let mut inside: Vec<u32> = self.near(bounding_box).filter(is_inside).collect();
@@ -37,10 +37,10 @@ impl PointsAlongX {
         Ok(inside)
     }
 
-    /// Indices of the points between the least and the largest x of a box.
+    /// Indices of the points whose x may be in a box.
     fn near(&self, bounding_box: &OrientedBox) -> impl Iterator<Item = u32> + '_ {
         let [length_m, width_m, _] = bounding_box.length_width_height_m;
-        // A little more than half of the diagonal, so that rounding loses nothing.
+        // A little more than half of the diagonal, so that rounding loses no point.
         let reach_m = 0.5 * length_m.hypot(width_m) * 1.001 + 0.001;
         let (low_m, high_m) = (bounding_box.center_m[0] - reach_m, bounding_box.center_m[0] + reach_m);
         let first = self.sorted.partition_point(|it| it.0 < low_m);

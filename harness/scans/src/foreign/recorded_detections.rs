@@ -1,9 +1,8 @@
 //! Detections in an MCAP recording: `foxglove.SceneUpdate` or `vision_msgs/Detection3DArray`, a message for each scan.
 //!
-//! A message belongs to the scan whose time stamp is nearest (see [`time_pairs`](crate::dataset::time_pairs)). Its boxes
-//! may be in another frame than the cloud, if the recording of the results says how that lies. The score is that of the
-//! likeliest hypothesis, or the metadata `score`, `confidence` or `probability` of a scene entity; an empty class is one
-//! that nobody says.
+//! A message belongs to the scan with the nearest time stamp (see [`time_pairs`](crate::dataset::time_pairs)). Its boxes may
+//! be in another frame than the cloud, if the recording of the results has the transform. The score is that of the likeliest
+//! hypothesis, or the metadata `score`, `confidence` or `probability` of a scene entity; an empty class is an unknown one.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
@@ -27,10 +26,10 @@ use crate::dataset::mcap::scene_objects::SceneObject;
 use crate::dataset::mcap::topics::{DetectionChannels, MessageKind, choose_detections};
 use crate::dataset::time_pairs::{Moment, TimePairs, times_ns};
 
-/// The frame of scans that are not recorded, as `data convert` calls it.
+/// The frame of scans that are not recorded, as `data convert` names it.
 const SENSOR_FRAME: &str = "lidar";
 
-/// `path` and the topic behind `.mcap:`, if there is no such file and one is named.
+/// `path` without the topic behind `.mcap:`, and this topic, if there is no file with the whole name.
 pub fn split_topic(path: &Path) -> (PathBuf, Option<String>) {
     match path.to_str().and_then(|it| it.split_once(":/")) {
         Some((file, topic)) if !path.exists() && Path::new(file).is_file() => {
@@ -47,11 +46,11 @@ pub struct RecordedDetections {
     messages: RecordedMessages,
     channel: Channel,
     asked: BTreeMap<usize, ScanFrame>,
-    // By scan, its message.
+    // The message of each scan.
     by_scan: BTreeMap<usize, MessagePosition>,
 }
 
-/// When a scan was taken, and the frame of its cloud.
+/// The time of a scan, and the frame of its cloud.
 struct ScanFrame {
     moment: Moment,
     frame: String,
@@ -59,7 +58,7 @@ struct ScanFrame {
 }
 
 impl ScanFrame {
-    /// Of a scan that was taken at `time_ns`; `own_frame` is the frame of what is not recorded. `None` without a time.
+    /// For a scan taken at `time_ns`; `own_frame` is the frame of scans that are not recorded. `None` without a time.
     fn of(frame: &ForeignFrame, time_ns: Option<u64>, own_frame: &str) -> Option<Self> {
         match frame {
             ForeignFrame::Recording { moment, frame, sensor_from_frame } => {
@@ -88,7 +87,7 @@ impl RecordedDetections {
         let transforms = transforms.into_iter().map(|it| Channel::take(&mut index, it)).collect();
         let messages = RecordedMessages::new(McapFile::new(path, chunks), transforms)?;
         let found = moments_of(&messages, &channel)?;
-        // That of the clouds in the recording of the results.
+        // The frame of the clouds in the recording of the results.
         let own_frame = cloud.as_ref().map(|it| frame_of_clouds(&messages, it)).transpose()?.flatten();
         let own_frame = own_frame.unwrap_or_else(|| SENSOR_FRAME.to_owned());
         let frame_of = |(&scan_idx, frame): (&usize, &ForeignFrame)| {
@@ -103,7 +102,7 @@ impl RecordedDetections {
         let pairs = TimePairs::of(&scans, &found);
         let message_of = |(at, scan_idx): (usize, &usize)| Some((*scan_idx, pairs.message_of(at)?));
         let by_scan: BTreeMap<usize, usize> = of_scans.iter().enumerate().filter_map(message_of).collect();
-        // Only known where all scans are asked for.
+        // Only known if all scans are asked for.
         let are_all = asked.len() >= of.dataset.scan_ids().len();
         let taken = pairs.taken();
         let left_over =
@@ -145,7 +144,7 @@ impl RecordedDetections {
             let sensor_from_object = scan.sensor_from_frame * frame_from_object;
             let placed = object.annotation(AnnotationClass::Misc, &sensor_from_object);
             let placed = placed.map_err(|problem| self.messages.damaged_at(position, &problem))?;
-            // What has no box, such as a line or a text, is no detection.
+            // An object without a box, such as a line or a text, is no detection.
             boxes.extend(placed.bounding_box.map(|it| ForeignBox {
                 bounding_box: it,
                 class,
@@ -172,7 +171,7 @@ impl ResultReader for RecordedDetections {
     }
 }
 
-/// Times of all results, of which no two may be the same: each belongs to another scan.
+/// Times of all results, which must differ: each belongs to another scan.
 fn moments_of(messages: &RecordedMessages, channel: &Channel) -> Result<Vec<Moment>, DatasetError> {
     let mut moments = Vec::with_capacity(channel.positions.len());
     for &position in &channel.positions {
@@ -185,7 +184,7 @@ fn moments_of(messages: &RecordedMessages, channel: &Channel) -> Result<Vec<Mome
     twice.map_or(Ok(moments), |it| Err(messages.damaged(problem(it))))
 }
 
-/// Scans and their times. Where time stamps are known these are all scans of the data set, so that results of one that is
+/// Scans and their times. If time stamps are known, these are all scans of the data set, so that results of a scan that is
 /// not asked for are not given to its neighbour.
 fn scans_to_pair(asked: &BTreeMap<usize, ScanFrame>, of: &ResultsOf<'_>) -> (Vec<usize>, Vec<Moment>) {
     if asked.values().all(|it| it.moment.stamp_ns.is_none()) {

@@ -1,4 +1,4 @@
-//! The files that results lie in, found by the names of scans.
+//! Finds the files of results by the names of scans.
 //!
 //! ```text
 //! NNNNNN.END              the scan of this number, if the data set has one drive; also in data or predictions
@@ -6,8 +6,8 @@
 //! DRIVE.END               a whole drive; also in data
 //! ```
 //!
-//! Numbers have six digits, or ten as in KITTI's raw recordings. Where scans are files that are called otherwise, their names
-//! serve as well; where these are numbers, the positions of the scans do, if no file has such a number.
+//! Numbers have six digits, or ten as in KITTI's raw recordings. If scans are files with other names, these names serve as
+//! well; if results have numbers, but none of a scan, the numbers are the positions of the scans.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
@@ -17,11 +17,11 @@ use crate::dataset::folder_name::folder_name;
 use crate::dataset::on_disk::{entries_of, name_of};
 use crate::dataset::{Dataset, DatasetError};
 
-/// Files are looked for so many folders deep, and so many of them.
+/// Files are searched for this many folders deep; more files than this are an error.
 const MAX_DEPTH: usize = 4;
 const MAX_FILES: usize = 1_000_000;
 
-/// Where the files of a drive may lie in its folder, and where this folder may.
+/// Folders of files within the folder of a drive, and folders around the latter.
 const INNER_FOLDERS: [&str; 4] = ["", "predictions/", "data/", "labels/"];
 const OUTER_FOLDERS: [&str; 3] = ["", "sequences/", "data/"];
 
@@ -34,7 +34,7 @@ pub struct ResultFiles {
 }
 
 impl ResultFiles {
-    /// Finds the files below `root`, or the file `root` itself. Hidden ones are not looked at.
+    /// Finds the files below `root`, or the file `root` itself. Hidden ones are ignored.
     pub fn below(root: &Path) -> Result<Self, DatasetError> {
         let mut files = Self { root: root.to_path_buf(), paths: BTreeMap::new(), folders: BTreeSet::new() };
         if root.is_file() {
@@ -63,12 +63,12 @@ impl ResultFiles {
         Ok(())
     }
 
-    /// The file or folder that was named.
+    /// The file or folder that the user named.
     pub fn root(&self) -> &Path {
         &self.root
     }
 
-    /// All files whose names end so.
+    /// All files with this ending.
     pub fn ending_in<'a>(&'a self, ending: &'a str) -> impl Iterator<Item = (&'a str, &'a Path)> {
         self.paths
             .iter()
@@ -76,7 +76,7 @@ impl ResultFiles {
             .filter(move |it| it.0.ends_with(ending))
     }
 
-    /// The file of the whole drive.
+    /// The file of a whole drive.
     pub fn of_drive(&self, drive: &str, ending: &str) -> Option<(&str, &Path)> {
         let drive = folder_name(drive);
         self.first_of(["", "data/"].map(|folder| format!("{folder}{drive}{ending}")))
@@ -107,7 +107,7 @@ impl ResultFiles {
         by_name
     }
 
-    /// The folders there are in which scans of `drive` may be.
+    /// The existing folders that may hold files of scans of `drive`.
     fn folders_of(&self, drive: &str, is_only: bool) -> Vec<String> {
         let drive = folder_name(drive);
         let of_drive =
@@ -142,8 +142,8 @@ fn names_of_number(number: usize) -> [String; 2] {
     [format!("{number:06}"), format!("{number:010}")]
 }
 
-/// Whether `name` is that of the file of a scan or of a drive: a number, or one of `known`, the
-/// names of drives as [`folder_name`] has them and of files of scans.
+/// Whether `name` is that of the file of a scan or of a drive: a number, or one of `known`, the names of drives as
+/// [`folder_name`] writes them and of files of scans.
 pub fn is_named_after_scans(name: &str, ending: &str, known: &BTreeSet<String>) -> bool {
     let own_name = name.rsplit('/').next().unwrap_or_default();
     own_name.strip_suffix(ending).is_some_and(|stem| {

@@ -1,4 +1,4 @@
-//! The format of results, recognised by what lies at their path.
+//! The format of results, recognised by the files at their path.
 
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
@@ -49,7 +49,7 @@ impl ResultFormat {
         let known: BTreeSet<String> =
             drives.chain((0..dataset.scan_ids().len()).filter_map(file_name)).collect();
         let is_one = |name: &str, ending: &str| match self {
-            // Text is often beside other things, such as a readme.
+            // Other text files are often beside them, such as a readme.
             Self::KittiText => is_named_after_scans(name, ending, &known),
             _ => true,
         };
@@ -60,7 +60,7 @@ impl ResultFormat {
     }
 }
 
-/// The format of `files`, and the only file of formats that have one.
+/// The format of `files`, and the only file if the format has just one.
 pub fn format_of(
     files: &ResultFiles,
     dataset: &dyn Dataset,
@@ -76,7 +76,7 @@ pub fn format_of(
         .filter(|(_, paths)| !paths.is_empty())
         .collect();
     if found.len() > 1 {
-        // What evaluators say of results is often beside them.
+        // Output of evaluators is often beside results.
         found.retain(|(format, _)| *format != ResultFormat::NuScenesJson);
     }
     match &found[..] {

@@ -1,4 +1,4 @@
-//! What the results of every format can do.
+//! The interface of the results of every format.
 
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -11,40 +11,40 @@ use crate::dataset::{Dataset, DatasetError};
 
 /// Results of another program, in some format. Scans are named by their indices in [`Dataset::scan_ids`].
 pub trait ResultReader: Send {
-    /// Whether there is something for the scan. That nothing was found there is something, too.
+    /// Whether there are results for the scan. Results without a detection count, too.
     fn has(&self, scan_idx: usize) -> bool;
 
-    /// Reads what was found in scan `scan_idx`, which is `scan`; `None` if there is nothing for it.
+    /// Reads the detections in scan `scan_idx`, which is `scan`; `None` if there are no results for it.
     fn read(&mut self, scan_idx: usize, scan: &LabeledScan) -> FoundInScan;
 }
 
-/// What was found in a scan, if there is anything for it.
+/// The detections in a scan; `None` without results.
 pub type FoundInScan = Result<Option<ForeignDetections>, DatasetError>;
 
 /// Results that were opened.
 pub struct OpenResults {
-    /// Reads them.
+    /// Their reader.
     pub reader: Box<dyn ResultReader>,
-    /// The names of what is there for scans that the data set does not have.
+    /// The names of results for scans that the data set does not have.
     pub left_over: Vec<String>,
-    /// What may be wrong with the results as a whole, a line each.
+    /// Possible errors of the results as a whole, a line each.
     pub oddities: Vec<String>,
 }
 
 impl OpenResults {
-    /// Those of `reader`, with nothing odd about them.
+    /// The results of `reader`, without possible errors.
     pub fn new(reader: impl ResultReader + 'static, left_over: Vec<String>) -> Self {
         Self { reader: Box::new(reader), left_over, oddities: Vec::new() }
     }
 }
 
-/// Whose results are read.
+/// The data set and the scans that results are read for.
 pub struct ResultsOf<'a> {
     /// The data set.
     pub dataset: &'a dyn Dataset,
-    /// Which of its scans are asked for, as indices in [`Dataset::scan_ids`], each with what results need to know about it.
+    /// The scans that are asked for, as indices in [`Dataset::scan_ids`], each with its name and frame in results.
     pub asked: BTreeMap<usize, ForeignFrame>,
-    /// What names of classes stand for.
+    /// Rules for the names of classes.
     pub classes: &'a ClassRules,
 }
 
@@ -60,7 +60,7 @@ impl<'a> ResultsOf<'a> {
         Ok(Self { dataset, asked, classes })
     }
 
-    /// Makes sure that results which `say` something can be about this data set, one scan of which `fits`.
+    /// Makes sure that results, which `say` something about scans, can be of this data set: each asked scan `fits`.
     pub fn require(
         &self,
         path: &Path,

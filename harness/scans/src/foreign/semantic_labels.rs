@@ -1,8 +1,8 @@
 //! SemanticKITTI's `.label` files: for each point of the scan's file the instance in the upper half of a number, the class
 //! in the lower.
 //!
-//! An instance is a cluster, and its class that of most of its points. Points of instance 0 are of none. The files lie as in
-//! submissions, `sequences/00/predictions/000000.label`, or as [`ResultFiles`] finds them.
+//! An instance is a cluster; its class is that of most of its points. Points of instance 0 belong to no cluster. The files
+//! lie as in submissions, `sequences/00/predictions/000000.label`, or as [`ResultFiles`] finds them.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
@@ -21,7 +21,7 @@ use crate::dataset::semantic_kitti::semantic_class::SemanticClass;
 /// The ending of the files.
 pub const ENDING: &str = ".label";
 
-/// Results point by point.
+/// Results with a label for each point.
 pub struct SemanticLabels {
     files: BTreeMap<usize, PathBuf>,
     classes: ClassRules,
@@ -52,7 +52,7 @@ impl ResultReader for SemanticLabels {
     }
 }
 
-/// The instances as clusters. Instances keep their numbers, which have sixteen bits.
+/// The instances as clusters, under the numbers of the instances, which have sixteen bits.
 fn clusters_of(labels: &[u32], path: &Path, classes: &mut ClassReader<'_>) -> ForeignDetections {
     let clusters: Vec<u32> = labels.iter().map(|label| label >> 16).collect();
     let mut votes: BTreeMap<u32, BTreeMap<Option<AnnotationClass>, u32>> = BTreeMap::new();
@@ -70,7 +70,7 @@ fn clusters_of(labels: &[u32], path: &Path, classes: &mut ClassReader<'_>) -> Fo
     let last = votes.last_key_value().map_or(0, |(instance, _)| *instance as usize);
     let mut cluster_classes = vec![None; last];
     for (instance, votes) in votes {
-        // Of equally many the first in the order of classes, so that it is the same each time.
+        // Of equal counts the first in the order of classes, so that the result is always the same.
         let most = votes.iter().max_by(|a, b| a.1.cmp(b.1).then(b.0.cmp(a.0)));
         cluster_classes[instance as usize - 1] = most.and_then(|(class, _)| *class);
     }

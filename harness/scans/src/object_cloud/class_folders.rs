@@ -1,4 +1,4 @@
-//! A folder of objects: in it a folder for each class, in these a file for each object.
+//! A folder of objects: it has a folder for each class, and these have a file for each object.
 //!
 //! ```text
 //! car/100.npy, .pcd, .ply, .bin, .las or .laz   a car; its name is car/100.npy
@@ -24,10 +24,10 @@ use crate::dataset::scan_folder::any_scan_file::{SCAN_EXTENSIONS, read_scan_file
 use crate::dataset::scan_folder::scan_file::ScanPoints;
 use crate::dataset::shown_name::shown;
 
-/// Heights of the lowest point of an object above the ground that are taken as they are, in metres.
+/// Heights of the lowest point of an object that are taken as heights above the ground, in metres.
 ///
-/// Nothing of an object lies deep in the ground, and nothing stands on it whose lowest point is high above it: other heights
-/// are not counted from the ground, but from a sensor or the sea.
+/// No part of an object lies deep in the ground, and no object on the ground has its lowest point high above it: other
+/// heights are counted not from the ground, but from a sensor or the sea.
 const LOWEST_POINTS_M: std::ops::RangeInclusive<f64> = -0.5..=6.0;
 
 /// An open folder of objects: the names of the files are in memory.
@@ -47,7 +47,7 @@ struct ObjectFile {
     path: PathBuf,
 }
 
-/// Whether `root` has a folder of clouds that is called after a class: so do folders of objects, and no data set does.
+/// Whether `root` has a folder of clouds that is named after a class: folders of objects have, data sets have not.
 pub fn has_class_folder(root: &Path) -> bool {
     let holds_clouds =
         |folder: &Path| entries(folder).is_ok_and(|it| it.iter().any(|(_, file)| is_cloud(file)));
@@ -56,8 +56,8 @@ pub fn has_class_folder(root: &Path) -> bool {
     })
 }
 
-/// Opens the folder of objects at `root`. Objects follow each other as the names of their folders and files do. `columns`
-/// are those of files that do not name them, as the user says.
+/// Opens the folder of objects at `root`. Objects are in the order of the names of their folders and files. `columns` are
+/// those of files that do not name them, from the user.
 pub fn open_class_folders(root: &Path, columns: Option<PointColumns>) -> Result<ClassFolders, DatasetError> {
     let folders = entries(root)?.into_iter().filter(|(_, path)| path.is_dir()).collect::<Vec<_>>();
     if folders.is_empty() {
@@ -122,8 +122,8 @@ impl ObjectCloudSet for ClassFolders {
     }
 }
 
-/// `cloud` with heights above the ground. Those of the file, which begin at `origin_z_m`, are taken if they can be that;
-/// else the lowest point is taken to lie on the ground.
+/// `cloud` with heights above the ground. The heights in the file, which begin at `origin_z_m`, are used if they can be
+/// such; otherwise the lowest point is taken to lie on the ground.
 fn above_ground(mut cloud: PointCloud, origin_z_m: f64) -> PointCloud {
     let lowest_m = cloud.z_m().iter().copied().fold(f32::INFINITY, f32::min);
     let is_above_ground = LOWEST_POINTS_M.contains(&(f64::from(lowest_m) + origin_z_m));
@@ -138,7 +138,7 @@ fn is_cloud(path: &Path) -> bool {
     scan_extension(path).is_some() && !path.is_dir()
 }
 
-/// Names and paths of what lies in `folder` and is not hidden, in the order of names.
+/// Names and paths of the files and folders in `folder` that are not hidden, in the order of names.
 fn entries(folder: &Path) -> Result<Vec<(String, PathBuf)>, DatasetError> {
     let paths = entries_of(folder)?;
     Ok(names_of(&paths, "a name in UTF-8")?.into_iter().zip(paths).collect())

@@ -1,10 +1,10 @@
-//! What folders of objects are called.
+//! Names of folders of objects.
 
 use reports::vocabulary::partial_class::PartialClass;
 
 use crate::dataset::class_name::{class_named, plain_name};
 
-/// Names beyond those that annotations have, in the singular.
+/// Names besides those of annotations, in the singular.
 const OTHER_NAMES: [&str; 12] = [
     "none",
     "wall",
@@ -20,11 +20,11 @@ const OTHER_NAMES: [&str; 12] = [
     "furniture",
 ];
 
-/// The class of the objects in a folder called `name`, in whatever spelling, in the singular or the plural; `None` if it
-/// stands for nothing known.
+/// The class of the objects in a folder called `name`, in any spelling, in the singular or the plural; `None` if the name is
+/// unknown.
 ///
-/// It may be a class of ours, or whatever annotations are called in any data set: what is neither tree, car, pole nor
-/// pedestrian is [`PartialClass::Other`].
+/// It may be a class of ours, or any name of annotations in any data set: objects that are neither tree, car, pole nor
+/// pedestrian are [`PartialClass::Other`].
 pub fn class_of_folder(name: &str) -> Option<PartialClass> {
     let plain = plain_name(name);
     let singulars = [Some(plain.as_str()), plain.strip_suffix('s'), plain.strip_suffix("es")];

@@ -5,33 +5,33 @@ use nalgebra::{Isometry3, Point3};
 
 use crate::annotation::{Annotation, LabeledScan};
 
-/// What is cut out of scans.
+/// Parameters of the points that are cut out of scans.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct CutOutParams {
     /// Objects with fewer points are left out.
     pub least_points: usize,
-    /// What lies in a box and is lower than this above its bottom is ground, in metres: boxes hold the ground that they
-    /// stand on.
+    /// Points in a box that are less than this above its bottom are ground, in metres: boxes hold the ground that they stand
+    /// on.
     pub box_floor_m: f32,
-    /// Ground is looked for this far around the points of an object that has no box, on the ground plan, in metres.
+    /// Ground is searched for this far around the points of an object without a box, on the ground plan, in metres.
     pub ground_around_m: f32,
 }
 
-/// The share of the points around an object that lie below its ground: echoes from mirrors and noise.
+/// The share of the points around an object that lie below its ground: mirror echoes and noise.
 const BELOW_GROUND: f32 = 0.1;
-/// What is as much higher than the lowest point of the object is no ground, in metres.
+/// Points this much higher than the lowest point of the object are no ground, in metres.
 const ABOVE_LOWEST_M: f32 = 0.5;
-/// With fewer points around it, the object stands on its own lowest point.
+/// If fewer points are around it, the object stands on its own lowest point.
 const LEAST_GROUND_POINTS: usize = 5;
 
 impl CutOutParams {
-    /// What is cut out if nobody asks for something else.
+    /// The default parameters.
     pub const USUAL: Self = Self { least_points: 20, box_floor_m: 0.15, ground_around_m: 1.0 };
 }
 
 /// The points of `annotation` in the frame of its box, x along its heading, and z from its bottom; `None` if it has no box.
 ///
-/// In this frame what moves stands still.
+/// In this frame moving objects stand still.
 pub fn in_its_box(scan: &LabeledScan, annotation: &Annotation, params: &CutOutParams) -> Option<PointCloud> {
     let bounding_box = annotation.bounding_box?;
     let half_height_m = bounding_box.length_width_height_m[2] / 2.0;
@@ -46,9 +46,9 @@ pub fn in_its_box(scan: &LabeledScan, annotation: &Annotation, params: &CutOutPa
     Some(cloud)
 }
 
-/// The points of `annotation` where `world_from_sensor` puts them, and the height of the ground under it there, in metres.
+/// The points of `annotation` in the world, by `world_from_sensor`, and the height of the ground under it there, in metres.
 ///
-/// Ground is what belongs to no annotation, lies around the points on the ground plan, and is low.
+/// Ground are the low points around the object on the ground plan that belong to no annotation.
 pub fn in_the_world(
     scan: &LabeledScan,
     is_annotated: &[bool],
@@ -82,7 +82,7 @@ pub fn in_the_world(
     heights_m.sort_unstable_by(f32::total_cmp);
     let low = (heights_m.len() as f32 * BELOW_GROUND) as usize;
     let has_ground = heights_m.len() >= LEAST_GROUND_POINTS;
-    // An object is not below the ground that it stands on.
+    // No object is below the ground that it stands on.
     let ground_m = if has_ground { heights_m[low].min(least_m[2]) } else { least_m[2] };
     (cloud, ground_m)
 }

@@ -1,8 +1,8 @@
-//! The annotated objects of a data set, each from one scan or registered over all that show it.
+//! The annotated objects of a data set, each from one scan, or registered over all scans that show it.
 //!
-//! KITTI, nuScenes and Argoverse 2 have boxes, and so cars, vans and pedestrians; trees and poles only where somebody has
-//! labelled them. The point labels of SemanticKITTI have instances of cars and people; connected points are a pole. Trunks
-//! and plants have no instances, so that there are no trees, fences or hedges. The simulated streets have all classes.
+//! KITTI, nuScenes and Argoverse 2 have boxes, and so cars, vans and pedestrians; trees and poles only where they are
+//! labelled. The point labels of SemanticKITTI have instances of cars and people; connected points are a pole. Trunks and
+//! plants have no instances, so there are no trees, fences or hedges. The simulated streets have all classes.
 
 use detector::PointCloud;
 use nalgebra::Isometry3;
@@ -15,12 +15,12 @@ use super::object_cloud_set::{ObjectCloudSet, ObjectSetDescription};
 use crate::annotation::{Annotation, LabeledScan, ScanId, range_m};
 use crate::dataset::{Dataset, DatasetError};
 
-/// Which points make an object.
+/// The points that make an object.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum Registration {
-    /// Those of one scan: an object is there once for each scan that shows it.
+    /// The points of one scan: an object appears once for each scan that shows it.
     EachScan,
-    /// Those of all scans of a drive that show it, in the order of the scans.
+    /// The points of all scans of a drive that show it, in the order of the scans.
     OverScans,
 }
 
@@ -33,17 +33,17 @@ pub struct CutOutObjects {
     objects: Vec<GrowingCloud>,
 }
 
-/// Pieces of one class without a track that stand as near to each other in the world are one object, on the ground plan, in
+/// Pieces of one class without a track that are at most this far apart in the world are one object, on the ground plan, in
 /// metres.
 const SAME_POSITION_M: f32 = 0.8;
-/// A track without boxes whose points are farther than this from where they were has moved, in metres: it begins anew.
+/// A track without boxes begins anew once its points are farther than this from where they were first, in metres.
 const MOVED_M: f32 = 3.0;
 
-/// Cuts the objects out of the scans `scan_idxs` of `dataset`, in the order in which they come up.
+/// Cuts the objects out of the scans `scan_idxs` of `dataset`, in the order in which they appear.
 ///
-/// With boxes, points lie in the frame of their box, and are registered by it. Without, they lie in the world that rests if
-/// the data set says where the sensor was, and are registered by that; otherwise in the frame of the sensor, each scan for
-/// itself.
+/// Points of an annotation with a box are in the frame of the box, which registers them. Without a box they are in the
+/// world, which rests, and are registered by the pose of the sensor; if the data set has no poses, they stay in the frame of
+/// the sensor, each scan for itself.
 pub fn cut_out_objects(
     dataset: &dyn Dataset,
     scan_idxs: &[usize],
@@ -97,7 +97,7 @@ impl ObjectCloudSet for CutOutObjects {
     }
 }
 
-/// What a scan shows of an object.
+/// The part of an object that one scan shows.
 struct Piece {
     cloud: PointCloud,
     ground_m: f32,
@@ -124,7 +124,7 @@ impl Piece {
     }
 }
 
-/// Where points of several scans lie together.
+/// The frame that the points of several scans share.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Frame {
     Box,
@@ -132,7 +132,7 @@ enum Frame {
     Sensor,
 }
 
-/// Which annotation of which scan.
+/// An annotation with its scan.
 struct Shown<'a> {
     id: &'a ScanId,
     annotation: &'a Annotation,
@@ -140,15 +140,15 @@ struct Shown<'a> {
     time_ns: Option<u64>,
 }
 
-/// An object as scan after scan adds to it.
+/// An object that grows with each scan.
 struct Growing {
     sequence: String,
     track: Option<u32>,
     frame: Frame,
-    // The scan that has added last: a scan shows an object once.
+    // The scan that was added last: a scan shows an object once.
     last_scan: ScanId,
     began_ns: Option<u64>,
-    // Of the points that the first scan added, on the ground plan.
+    // Of the points of the first scan, on the ground plan.
     first_middle_m: [f32; 2],
     grounds_m: Vec<f32>,
     object: GrowingCloud,
@@ -210,7 +210,7 @@ impl Growing {
         self.object.moments.push(Moment { n_points: cloud.len(), time_s, distance_m });
     }
 
-    /// With heights above the ground: the median of what the scans say.
+    /// Counts heights from the ground: the median over the scans.
     fn finish(mut self) -> GrowingCloud {
         self.grounds_m.sort_unstable_by(f32::total_cmp);
         let ground_m = self.grounds_m[self.grounds_m.len() / 2];
@@ -326,7 +326,7 @@ mod tests {
         let objects = cut_out(true, Registration::OverScans, 1);
         assert_eq!(ids_and_sizes(&objects), [("00/000000/van-7", 6), ("00/000000/pole-at-1", 9)]);
         let [car, pole] = &objects[..] else { panic!("{objects:?}") };
-        // What lies on the bottom of the box is ground; the car has not moved in its own frame.
+        // Points on the bottom of the box are ground; the car has not moved in its own frame.
         for (found, expected) in car.whole.cloud.positions_m().zip(CAR_POINTS_M[1..].iter().cycle()) {
             assert!(found.iter().zip(expected).all(|(a, b)| (a - b).abs() < 1e-5), "{found:?}");
         }

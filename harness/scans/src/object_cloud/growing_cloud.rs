@@ -1,39 +1,39 @@
-//! An object of which more and more is seen.
+//! An object whose seen part grows.
 
 use detector::PointCloud;
 
 use super::ObjectCloud;
 
-/// An object with the moments at which more of it had been seen.
+/// An object with the moments at which more of it was visible.
 #[derive(Debug, Clone, PartialEq)]
 pub struct GrowingCloud {
-    /// All that was seen of it in the end, in the order in which it was seen.
+    /// All points that were seen in the end, in the order in which they were seen.
     pub whole: ObjectCloud,
     /// Length, width and height of the object in metres, seen and unseen parts, where they are known.
     pub extents_m: Option<[f32; 3]>,
-    /// When it could be judged, ascending; the last shows everything. Never empty.
+    /// The moments at which it can be judged, ascending; the last shows everything. Never empty.
     pub moments: Vec<Moment>,
 }
 
-/// When an object can be judged.
+/// A moment at which an object can be judged.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Moment {
-    /// How many points of [`GrowingCloud::whole`] had been seen: the first ones.
+    /// Number of points of [`GrowingCloud::whole`] seen by then: the first ones.
     pub n_points: usize,
-    /// Seconds since anything was looked at first; 0 where nobody knows the times.
+    /// Seconds since the start of the observation; 0 if times are unknown.
     pub time_s: f64,
     /// Distance on the ground plan between the sensor and the middle of the object, in metres, where it is known.
     pub distance_m: Option<f32>,
 }
 
 impl GrowingCloud {
-    /// An object that was seen at once.
+    /// An object that was seen at a single moment.
     pub fn seen_at_once(whole: ObjectCloud, extents_m: Option<[f32; 3]>, distance_m: Option<f32>) -> Self {
         let moment = Moment { n_points: whole.cloud.len(), time_s: 0.0, distance_m };
         Self { whole, extents_m, moments: vec![moment] }
     }
 
-    /// The points that had been seen at `moment`.
+    /// The points that were seen by `moment`.
     pub fn seen_at(&self, moment: &Moment) -> PointCloud {
         let cloud = &self.whole.cloud;
         let mut seen = PointCloud::with_capacity(moment.n_points);

@@ -1,4 +1,4 @@
-//! Single objects, cut out of whatever saw them.
+//! Single objects, cut out of scans or read from folders.
 
 use detector::PointCloud;
 use reports::vocabulary::partial_class::PartialClass;
@@ -15,10 +15,10 @@ pub mod cut_out_objects;
 /// The points of one object.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ObjectCloud {
-    /// What it is called, unique within its data set.
+    /// Its name, unique within its data set.
     pub id: String,
-    /// What it is.
+    /// Its class.
     pub class: PartialClass,
-    /// Its points and none of the ground: z up, in metres above the ground under it; x and y from anywhere.
+    /// Its points without the ground: z up, in metres above the ground under it; x and y from any origin.
     pub cloud: PointCloud,
 }

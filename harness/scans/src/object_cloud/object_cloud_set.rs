@@ -1,4 +1,4 @@
-//! Many objects, wherever they come from.
+//! Sets of objects from all sources.
 
 use std::path::PathBuf;
 
@@ -10,7 +10,7 @@ use crate::dataset::simulation::Simulation;
 
 /// A series of objects that are read one at a time.
 pub trait ObjectCloudSet: Send + Sync {
-    /// What it is.
+    /// Its description.
     fn description(&self) -> &ObjectSetDescription;
 
     /// The class of each object, in their order, known without reading them.
@@ -20,19 +20,19 @@ pub trait ObjectCloudSet: Send + Sync {
     fn read(&self, object_idx: usize) -> Result<GrowingCloud, DatasetError>;
 }
 
-/// What is known about a set of objects without reading one.
+/// Facts about a set of objects that are known without reading one.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ObjectSetDescription {
     /// The name used in tables and files.
     pub id: String,
-    /// Where it lies; `None` for what is simulated on the fly.
+    /// Its folder; `None` if it is simulated on the fly.
     pub root: Option<PathBuf>,
-    /// What a simulation was asked for; `None` for what was recorded.
+    /// The request to the simulator; `None` for recorded objects.
     pub simulation: Option<Simulation>,
 }
 
 impl ObjectSetDescription {
-    /// Whether a simulator made it. Numbers measured on it are always labelled so.
+    /// Whether a simulator made it. Results on it are always labelled as simulated.
     pub fn is_simulated(&self) -> bool {
         self.simulation.is_some()
     }

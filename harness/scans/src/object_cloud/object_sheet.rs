@@ -1,4 +1,4 @@
-//! What a folder of objects says beyond their points: whether they are simulated, and how each was seen.
+//! Facts about a folder of objects beyond their points: whether they are simulated, and how each was seen.
 
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -14,13 +14,13 @@ use crate::dataset::text_file::read_text_file;
 /// The name of the file, beside the folders of the classes.
 pub const OBJECT_SHEET: &str = "objects.json";
 
-/// What is known about a folder of objects beyond its files.
+/// Facts about a folder of objects beyond its files.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct ObjectSheet {
-    /// What a simulation was asked for, if it made the objects.
+    /// The request to the simulator, if it made the objects.
     pub simulation: Option<Simulation>,
-    /// By folder and file, such as `car/car-0001.npy`, how an object was seen; of others it is not known.
+    /// How an object was seen, by folder and file, such as `car/car-0001.npy`; unknown for objects that are not listed.
     pub seen: BTreeMap<String, SeenObject>,
 }
 
@@ -30,18 +30,18 @@ pub struct ObjectSheet {
 pub struct SeenObject {
     /// Its length, width and height in metres, seen and unseen parts, where they are known.
     pub extents_m: Option<[f32; 3]>,
-    /// When it could be judged: the number of points, seconds, and the distance in metres where it is known.
+    /// The moments at which it can be judged: number of points, seconds, and the distance in metres where it is known.
     pub moments: Vec<(usize, f64, Option<f32>)>,
 }
 
 impl SeenObject {
-    /// As it is kept.
+    /// The entry for an object with these extents and moments.
     pub fn of(extents_m: Option<[f32; 3]>, moments: &[Moment]) -> Self {
         let moments = moments.iter().map(|it| (it.n_points, it.time_s, it.distance_m)).collect();
         Self { extents_m, moments }
     }
 
-    /// The moments of an object with `n_points`, if they can be its own. Errors are the rest of a sentence about the file.
+    /// The moments, which must fit an object of `n_points` points. Errors are the rest of a sentence about the file.
     pub fn moments(&self, n_points: usize) -> Result<Vec<Moment>, String> {
         let moment = |&(n_points, time_s, distance_m): &_| Moment { n_points, time_s, distance_m };
         let moments: Vec<Moment> = self.moments.iter().map(moment).collect();

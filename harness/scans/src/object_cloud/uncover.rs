@@ -5,7 +5,7 @@ use std::ops::RangeInclusive;
 use detector::PointCloud;
 use reports::vocabulary::named::named;
 
-/// The steps in which an object is uncovered: at the last everything is seen.
+/// The steps in which an object is uncovered: at the last one everything is seen.
 pub const UNCOVER_STEPS: RangeInclusive<u32> = 1..=10;
 
 named! {
@@ -18,13 +18,13 @@ named! {
     }
 }
 
-/// The part of `cloud`, one object, that is seen at `step` of [`UNCOVER_STEPS`]: at each step a level strip more, as high as
-/// a tenth of the largest extent of the object.
+/// The part of `cloud`, one object, that is seen at `step` of [`UNCOVER_STEPS`]: each step adds a level strip as high as a
+/// tenth of the largest extent of the object.
 ///
-/// The extents are those of the box along the axes, and strips begin at its bottom or top. Where the height is the largest
-/// extent, as of trees, poles and people, `step` tenths of the height are seen. A car 4.5 m long and 1.5 m high is uncovered
-/// 0.45 m at a time, and nothing is hidden from step 4 on: the paper relates steps to the largest extent and uncovers from
-/// below or from above.
+/// The extents are those of the box along the axes, and strips begin at its bottom or top. If the height is the largest
+/// extent, as for trees, poles and people, `step` tenths of the height are seen. A car 4.5 m long and 1.5 m high is
+/// uncovered 0.45 m at a time, and nothing is hidden from step 4 on: the paper relates steps to the largest extent and
+/// uncovers from below or from above.
 ///
 /// Points keep their order; those without a position are left out.
 ///
@@ -45,7 +45,7 @@ pub fn uncover(cloud: &PointCloud, from: UncoverFrom, step: u32) -> PointCloud {
             UncoverFrom::Below => z_m - least_m[2],
             UncoverFrom::Above => greatest_m[2] - z_m,
         };
-        // Multiplied, not divided: nothing of the last strip is lost by rounding.
+        // Multiplied, not divided, so that no point of the last strip is lost by rounding.
         if is_finite(position_m) && from_end_m * n_steps <= largest_extent_m * f64::from(step) {
             seen.push(position_m, *intensity);
         }

@@ -1,9 +1,9 @@
 //! Objects that a vehicle with a tilted 2-D scanner drives toward.
 //!
 //! The scanner looks ahead, and its plane is turned up or down about the axis to its left. A plane that rises by the angle t
-//! meets a wall at the distance d at the height h + d·tan t: turned down, it uncovers an object from below, and never what
-//! is higher than the scanner; turned up, from above, and never what is lower. Each scan is put to where the poses say;
-//! these drift, and the scanner stands still while it turns.
+//! meets a wall at the distance d at the height h + d·tan t. Turned down, it uncovers an object from below, and no part that
+//! is higher than the scanner; turned up, from above, and no part that is lower. Each scan is placed by the poses, which
+//! drift, and the scanner stands still while it turns.
 
 use detector::PointCloud;
 use parry3d::math::Pose;
@@ -31,7 +31,7 @@ pub struct ApproachParams {
     pub aside_m: [f32; 2],
     /// Height of the vehicle, in metres.
     pub vehicle_height_m: f32,
-    /// How far from what stands in its way it stops, in metres.
+    /// Distance from the obstacle in its way at which it stops, in metres.
     pub stop_m: [f32; 2],
     /// How long before the first strip the drive begins, in metres.
     pub lead_m: f32,
@@ -58,12 +58,12 @@ pub struct Drive {
     pub aside_m: f32,
     /// Distance along the course to the middle of the object where the drive begins, in metres.
     pub from_m: f32,
-    /// The same where it ends.
+    /// Distance along the course to the middle of the object where the drive ends, in metres.
     pub to_m: f32,
 }
 
 impl ApproachParams {
-    /// Those that come with the program.
+    /// The parameters that come with the program.
     pub fn shipped() -> Self {
         toml::from_str(include_str!("approach.toml")).expect("a test reads the values")
     }
@@ -97,7 +97,7 @@ impl ApproachParams {
     }
 }
 
-/// A drive that uncovers enough is looked for so often: of things that cannot be uncovered, the last one is taken.
+/// Number of drives that are drawn at most to find one that uncovers enough; if none does, the last one is taken.
 const MOST_DRAWS: u32 = 200;
 
 /// By how much a plane that is turned up by `tilt_deg` rises on a metre.
@@ -142,8 +142,7 @@ impl Drive {
         self.speed_m_per_s / scanner.turning.turns_per_second
     }
 
-    /// The share of the height of `object` that the plane passes on the way, as seen from what stands in the way of the
-    /// vehicle.
+    /// The share of the height of `object` that the plane passes on the way, where the object is in the way of the vehicle.
     fn uncovered_share(&self, object: &LoneObject, params: &ApproachParams) -> f32 {
         let near_m = object.reach_backward_m(params.vehicle_height_m);
         let passed_m = [self.from_m, self.to_m].map(|before_m| {
@@ -158,7 +157,7 @@ impl Drive {
         ((self.from_m - self.to_m) / self.step_m(scanner)) as u32 + 1
     }
 
-    /// Where the scanner is `before_m` before the middle of the object, or is said to be with `error`.
+    /// Pose of the scanner `before_m` before the middle of the object, or with `error` the pose that is reported.
     fn pose(&self, before_m: f32, error: &PoseError) -> Pose {
         let plan_m = [error.along_m - before_m, self.aside_m + error.aside_m];
         let tilt_rad = f64::from(self.tilt_deg).to_radians();
@@ -166,7 +165,7 @@ impl Drive {
     }
 }
 
-/// By how much a pose is wrong.
+/// Error of a pose.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 struct PoseError {
     along_m: f32,
@@ -302,7 +301,7 @@ mod tests {
             assert!((0.5..3.0).contains(&drive.speed_m_per_s) && drive.aside_m.abs() < 0.8);
             assert!(drive.from_m >= drive.to_m && drive.to_m >= lone.reach_backward_m(2.0) + 0.99);
             assert!(drive.from_m <= scanner.turning.max_range_m.max(drive.to_m));
-            // Nobody looks down on as much as half of a tree.
+            // A scanner that looks down does not uncover half of a tall tree.
             n_tall += u32::from(lone.top_m() > 4.0);
             n_up += u32::from(drive.tilt_deg > 0.0);
             n_half += u32::from(drive.uncovered_share(&lone, &params) >= 0.5);

@@ -11,9 +11,9 @@ use super::lone_object::{LoneObject, Look, level_pose};
 use crate::scan::beam_errors;
 use crate::sensor::SensorModel;
 
-/// Between this and one less many positions a surveyor scans from.
+/// Number of positions that a surveyor scans from.
 const N_POSITIONS: std::ops::Range<u32> = 4..8;
-/// How far from the outline of the object, in metres.
+/// Their distance from the outline of the object, in metres.
 const CLEARANCES_M: std::ops::Range<f32> = 3.0..10.0;
 
 /// The scanner that surveys.

@@ -1,4 +1,4 @@
-//! An object drawn by its number, and the random streams of whoever looks at it.
+//! An object drawn by its number, and the random streams for it and its scans.
 
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
@@ -12,7 +12,7 @@ use crate::object_shape::ObjectShape;
 pub struct ObjectNumber {
     /// Objects of one seed have nothing in common with those of another.
     pub seed: u64,
-    /// What it is.
+    /// Its class.
     pub class: PartialClass,
     /// Its number among those of its class.
     pub number: u32,
@@ -27,7 +27,7 @@ pub struct DrawnObject {
     pub yaw_rad: f32,
 }
 
-/// What random numbers are drawn for; each has a stream of its own, so that no use disturbs another.
+/// Use of random numbers; each has a stream of its own, so that no use disturbs another.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum StreamUse {
     /// The form of the object.

@@ -16,11 +16,11 @@ use crate::portable_math;
 use crate::scan::gaussian;
 use crate::scene::Pulse;
 
-/// Between the first and one less than the second many strips overlap where an object stands.
+/// Number of strips that overlap where an object stands.
 const N_STRIPS: std::ops::Range<u32> = 1..4;
-/// Strips are flown until the object has as many points: what has fewer is not labelled in such clouds.
+/// More strips are flown until the object has this many points: such clouds have no labels of objects with fewer.
 const LEAST_POINTS: usize = 100;
-/// No more strips are flown.
+/// Number of strips at most.
 const MOST_STRIPS: u32 = 24;
 /// The greatest angle of a pulse off the vertical, in degrees.
 const MOST_OFF_VERTICAL_DEG: f64 = 20.0;
@@ -28,9 +28,9 @@ const MOST_OFF_VERTICAL_DEG: f64 = 20.0;
 const SPACINGS_M: std::ops::Range<f32> = 0.18..0.35;
 /// Radius of the spot that a pulse lights, in metres.
 const SPOT_RADIUS_M: f32 = 0.15;
-/// A spot is looked at in so many positions.
+/// Number of positions in which a spot is looked at.
 const RAYS_PER_PULSE: u32 = 4;
-/// A pulse has at most so many echoes.
+/// Number of echoes of a pulse at most.
 const MOST_ECHOES: usize = 4;
 /// Echoes that follow each other more closely are one, in metres.
 const ECHO_LENGTH_M: f32 = 0.7;
@@ -41,7 +41,7 @@ const RANGE_SIGMA_M: f32 = 0.03;
 /// Standard deviation of a position along either axis of the ground plan, in metres.
 const PLAN_SIGMA_M: f32 = 0.06;
 
-/// The points of `object`, number `number`, a moment after each strip. Nobody says how far away the aircraft was.
+/// The points of `object`, number `number`, and a moment after each strip, without the distance of the aircraft.
 pub fn scanned_from_the_air(object: &LoneObject, number: ObjectNumber) -> (PointCloud, Vec<Moment>) {
     let mut rng = number.random_stream(StreamUse::Viewpoint);
     let n_strips = rng.random_range(N_STRIPS);

@@ -33,21 +33,21 @@ pub struct LoneObject {
     pub extents_m: [f32; 3],
 }
 
-/// Who looks, and from where.
+/// A sensor and the pose from which it looks at an object.
 #[derive(Debug, Clone, Copy)]
 pub struct Look<'a> {
     /// The sensor.
     pub sensor: &'a SensorModel,
     /// The errors of its beams.
     pub errors: &'a [BeamError],
-    /// Where it is.
+    /// Its pose.
     pub world_from_sensor: Pose,
-    /// Where it is said to be.
+    /// Its reported pose, by which the points are placed.
     pub registered: Pose,
 }
 
 impl<'a> Look<'a> {
-    /// From a position that is known without error.
+    /// A look from a pose that is known without error.
     pub fn from(world_from_sensor: Pose, sensor: &'a SensorModel, errors: &'a [BeamError]) -> Self {
         Self { sensor, errors, world_from_sensor, registered: world_from_sensor }
     }
@@ -89,7 +89,7 @@ impl LoneObject {
         self.boxes.iter().map(|it| it.maxs.z).fold(0.0, f32::max)
     }
 
-    /// Of the boxes around its parts.
+    /// Corners of the boxes around its parts.
     fn corners(&self) -> impl Iterator<Item = Vector> + Clone {
         self.boxes.iter().flat_map(Aabb::vertices)
     }
@@ -108,9 +108,9 @@ impl LoneObject {
         })
     }
 
-    /// Appends to `cloud` its points in one turn of the sensor, of which it sends the firings that `is_sent` says. Points of
-    /// the road are not among them, nor those in the air between an edge and what lies behind it. `pulses` gives the random
-    /// stream of each beam.
+    /// Appends to `cloud` the points of the object in one turn of the sensor, which sends only the firings that `is_sent`
+    /// accepts. Left out are points of the road, and those in the air between an edge and the surface behind it. `pulses`
+    /// gives the random stream of each beam.
     pub fn append_points(
         &self,
         look: &Look<'_>,

@@ -4,14 +4,14 @@
 //! An object is drawn from a seed, its class and its number, and nothing else: every way of looking at it shows the same
 //! one. The same seed gives the same bytes, as everywhere in the simulator.
 
-// What there is to look at.
+// The objects.
 pub mod tree_kind;
 pub mod pole_kind;
 pub mod person_kind;
 pub mod object_kind;
 pub mod drawn_object;
 
-// The ways of looking at it.
+// The ways of looking at them.
 pub mod lone_object;
 pub mod around;
 pub mod single_scan;
@@ -19,6 +19,6 @@ pub mod from_the_air;
 pub mod planar_scanner;
 pub mod approach;
 
-// What has a name.
+// Sets of objects by name.
 pub mod simulated_objects;
 pub mod open_objects;

@@ -24,7 +24,7 @@ pub fn any_object(class: PartialClass, rng: &mut ChaCha8Rng) -> ObjectShape {
     }
 }
 
-/// Fences and hedges above all, and what else stands on pavements.
+/// Fences and hedges above all, and other things on pavements.
 fn any_other(rng: &mut ChaCha8Rng) -> ObjectShape {
     let length_m = rng.random_range(2.0_f32..12.0);
     match rng.random_range(0..100_u32) {

@@ -1,4 +1,4 @@
-//! From what the user names to a set of objects: simulated, a folder for each class, or cut out of a data set.
+//! Sets of objects by the name that the user gives: simulated, a folder for each class, or cut out of a data set.
 
 use std::path::Path;
 
@@ -19,13 +19,13 @@ pub struct ObjectOptions {
     pub part: ObjectPart,
     /// How many objects of each class are simulated.
     pub n_per_class: u32,
-    /// Whether what is cut out of a data set is put together from all scans that show it.
+    /// Whether objects that are cut out of a data set are put together from all scans that show them.
     pub registration: Registration,
-    /// What is cut out of a data set.
+    /// How objects are cut out of a data set.
     pub cut_out: CutOutParams,
 }
 
-/// What objects are cut out of, or drawn from.
+/// Source of objects.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum ObjectSource {
     /// One of [`OBJECT_SETS`].
@@ -37,7 +37,7 @@ pub enum ObjectSource {
 }
 
 impl ObjectSource {
-    /// What `name_or_path` is as [`open_objects`] takes it.
+    /// Source of the objects called `name_or_path`, as [`open_objects`] takes it.
     pub fn of(name_or_path: &str) -> Self {
         if OBJECT_SETS.contains(&name_or_path) {
             Self::Simulated
@@ -74,7 +74,7 @@ pub fn open_objects(
             let objects = cut_out_objects(dataset.as_ref(), &all, options.registration, &options.cut_out)?;
             Ok(Box::new(objects))
         }
-        // No data set either: what is wrong with its folders says more.
+        // Not a data set either: the error of its class folders says more.
         Err(DatasetError::UnrecognizedFormat { .. }) => {
             Ok(Box::new(open_class_folders(path, dataset_options.columns.clone())?))
         }

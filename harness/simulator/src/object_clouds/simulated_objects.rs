@@ -34,10 +34,10 @@ pub const OBJECT_SETS: [&str; 7] = [
 /// An object with fewer points is looked at again: from nearer, or on another drive.
 pub const LEAST_POINTS: usize = 20;
 
-/// How often another drive is tried.
+/// Number of drives that are tried at most.
 const N_DRIVES: u32 = 20;
 
-/// What objects are for. No object of one part is in another.
+/// Purpose of objects. No object of one part is in another.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum ObjectPart {
@@ -49,13 +49,13 @@ pub enum ObjectPart {
     Judging,
 }
 
-/// What simulated objects were asked for.
+/// Parameters of a set of simulated objects.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct ObjectSimulation {
     /// One of [`OBJECT_SETS`].
     pub set: String,
-    /// What they are for.
+    /// Their purpose.
     pub part: ObjectPart,
     /// How many of each class.
     pub n_per_class: u32,
@@ -146,7 +146,7 @@ impl ObjectCloudSet for SimulatedObjects {
 }
 
 impl SimulatedObjects {
-    /// How the vehicle drives toward object `object_idx`; `None` if none does.
+    /// How the vehicle drives toward object `object_idx`; `None` in a set without a vehicle.
     pub fn drive(&self, object_idx: usize) -> Option<Drive> {
         let Viewing::Approach(scanner, params) = &self.viewing else { return None };
         let number = self.number(object_idx);
@@ -159,7 +159,7 @@ impl SimulatedObjects {
     }
 }
 
-/// The object in one scan: as far away as its number says, or nearer if hardly anything is seen of it there.
+/// The object in one scan, at the distance that its number says, or nearer if it has fewer than [`LEAST_POINTS`] there.
 fn well_scanned(
     object: &LoneObject,
     number: ObjectNumber,
@@ -173,7 +173,7 @@ fn well_scanned(
     (cloud, vec![moment])
 }
 
-/// The first drive on which more than hardly anything is seen of the object, and what is seen on it.
+/// The first drive on which the object gets [`LEAST_POINTS`], or else the one with most points; its points and moments.
 fn well_approached(
     object: &LoneObject,
     number: ObjectNumber,
@@ -277,7 +277,7 @@ mod tests {
         format!("{:08x}", u32::from_be_bytes([a, b, c, d]))
     }
 
-    /// What models are trained on changes with these, and results with it.
+    /// If these change, so do the objects that models are trained on, and with them the results.
     #[test]
     fn objects_are_the_same_bytes_on_every_machine() {
         let names = ["objects-around", "objects-vlp-16", "objects-air", "objects-approach"];

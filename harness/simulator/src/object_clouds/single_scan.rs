@@ -50,7 +50,7 @@ mod tests {
                 let n_points =
                     RANGES_M.map(|range_m| scanned_once(&object, number, &sensor, range_m).0.len());
                 assert!(n_points[2] > n_points[4], "{class} {n_points:?}");
-                // What is tall stands out of the field of view when it is near.
+                // A tall object stands out of the field of view when it is near.
                 let is_low = object.top_m() < sensor.height_above_road_m + 0.3;
                 assert!(!is_low || n_points[0] > 2 * n_points[2], "{class} {n_points:?}");
             }
@@ -78,7 +78,7 @@ mod tests {
             ..SensorModel::embedded("os1-128").unwrap()
         };
         let (cloud, moment) = scanned_once(&object, number, &sensor, 6.0);
-        // What faces the sensor: there the noise is along the normal.
+        // Points that face the sensor: there the noise is along the normal.
         let distance_m = f64::from(moment.distance_m.unwrap());
         let toward_m: Vec<f64> = cloud
             .positions_m()

@@ -17,13 +17,13 @@ use crate::entity_paths::{self, ProductKind};
 use crate::legend;
 use crate::product_views::DetectorViews;
 
-/// A scene for each detector, and below them what is wrong in words and the series.
+/// A scene for each detector, and below them the mistakes in words and the series.
 pub fn compare(layout: &RecordingLayout<'_>, properties: &mut Vec<Property>) -> ContainerLike {
     let mut scenes: Vec<ContainerLike> =
         layout.detectors.iter().map(|it| detector_tabs(layout, it, properties)).collect();
     let mut shares = vec![1.0; scenes.len()];
     if layout.axis.is_of_a_sweep() {
-        // What is looked at are the curves, and what the scene is where they turn.
+        // In a sweep the curves matter most, and how the scene looks where they turn.
         scenes.push(Vertical::new(curves(layout, properties)).into());
         shares.push(0.7);
     }
@@ -32,7 +32,7 @@ pub fn compare(layout: &RecordingLayout<'_>, properties: &mut Vec<Property>) -> 
     Vertical::new([scenes, below]).with_row_shares(vec![2.9, 1.0]).with_name("compare detectors").into()
 }
 
-/// What a detector got right and wrong, in `frame`; its stage products are one click away.
+/// Outcomes of a detector, in `frame`; its stage products are one click away.
 pub fn outcomes(
     layout: &RecordingLayout<'_>,
     detector: &DetectorViews,
@@ -55,7 +55,7 @@ pub fn outcomes(
     view
 }
 
-/// The views of one detector as tabs: what it got right and wrong, its cells, its clusters.
+/// The views of one detector as tabs: outcomes, cells, clusters.
 fn detector_tabs(
     layout: &RecordingLayout<'_>,
     detector: &DetectorViews,
@@ -77,7 +77,7 @@ fn detector_tabs(
     Tabs::new([outcomes, cells, clusters]).into()
 }
 
-/// F-rates, what each detector has wrong in words, and what the colours mean.
+/// F-rates, the mistakes of each detector in words, and the legend.
 fn bottom_row(layout: &RecordingLayout<'_>, properties: &mut Vec<Property>) -> ContainerLike {
     let (mut columns, mut shares) = (Vec::new(), Vec::new());
     if !layout.axis.is_of_a_sweep() {
@@ -109,7 +109,7 @@ fn rates(layout: &RecordingLayout<'_>, properties: &mut Vec<Property>) -> Contai
     Tabs::new(tabs).into()
 }
 
-/// Over a parameter: rates, and what only this recording has.
+/// Series over a parameter: rates, and those that only this recording has.
 fn curves(layout: &RecordingLayout<'_>, properties: &mut Vec<Property>) -> Vec<ContainerLike> {
     let mut curves = vec![rates(layout, properties)];
     let further = layout.axis.further_series.iter();
@@ -125,7 +125,7 @@ fn curves(layout: &RecordingLayout<'_>, properties: &mut Vec<Property>) -> Vec<C
     curves
 }
 
-/// What a detector has wrong in the scan, in words; its counts and its stage times one click away.
+/// Mistakes of a detector in the scan, in words; its counts and its stage times are one click away.
 fn words_and_numbers(
     layout: &RecordingLayout<'_>,
     detector: &str,
@@ -142,7 +142,7 @@ fn words_and_numbers(
     Tabs::new([mistakes, counts, times]).into()
 }
 
-/// What a detector has wrong in the scan, in words.
+/// Mistakes of a detector in the scan, in words.
 pub fn mistakes(
     layout: &RecordingLayout<'_>,
     detector: &str,
@@ -158,7 +158,7 @@ pub fn mistakes(
     view
 }
 
-/// What the colours mean, all of a scene or those of stages too.
+/// Legend of the colours: of a scene, with the name of the scan, or of the stages.
 pub fn drawn_legend(origin: &'static str, properties: &mut Vec<Property>) -> ContainerLike {
     let with_scan = origin == entity_paths::LEGEND_OUTCOMES;
     let mut contents = vec![format!("+ /{origin}/**")];
@@ -171,7 +171,7 @@ pub fn drawn_legend(origin: &'static str, properties: &mut Vec<Property>) -> Con
     view
 }
 
-/// What each detector got right and wrong, with the eye going along.
+/// Outcomes of each detector, with an eye that goes along with the sensor.
 pub fn drive(layout: &RecordingLayout<'_>, properties: &mut Vec<Property>) -> ContainerLike {
     let view = |detector| outcomes(layout, detector, entity_paths::WORLD, Eye::ALONG, properties);
     let views: Vec<ContainerLike> = layout.detectors.iter().map(view).collect();

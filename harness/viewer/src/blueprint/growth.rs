@@ -20,7 +20,7 @@ pub struct GrowthColumn {
     pub of: [String; 3],
     /// Its title.
     pub title: String,
-    /// Middle of what is seen in the end, in metres.
+    /// Middle of the points that are seen in the end, in metres.
     pub middle_m: [f32; 3],
     /// Its largest extent, in metres.
     pub extent_m: f32,
@@ -79,7 +79,7 @@ fn column(of: &GrowthColumn, properties: &mut Vec<Property>) -> ContainerLike {
     let without_legend = || PlotLegend::new().with_visible(false);
     let chances: ContainerLike =
         TimeSeriesView::new("chance of each class").with_origin(origin(GrowthPart::Chances)).into();
-    // What is sure is still seen as a line.
+    // A chance of 0 or 1 is still seen as a line.
     add(properties, &chances, "ScalarAxis", ScalarAxis::new().with_range(Range1D([-0.04, 1.04])));
     let errors: ContainerLike =
         TimeSeriesView::new("distance to each class").with_origin(origin(GrowthPart::Errors)).into();

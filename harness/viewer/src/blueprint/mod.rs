@@ -18,13 +18,13 @@ mod compare;
 mod stages;
 pub mod growth;
 
-/// What there is to lay out.
+/// Content of a recording that the blueprint lays out.
 pub struct RecordingLayout<'a> {
     /// The detectors, in the order in which they are shown.
     pub detectors: &'a [DetectorViews],
-    /// What time is.
+    /// The time axis.
     pub axis: &'a RecordingAxis,
-    /// What is visible at first.
+    /// How the recording opens.
     pub opening: Opening,
 }
 
@@ -79,7 +79,7 @@ fn time_panel(layout: &RecordingLayout<'_>) -> TimePanel {
         .with_state(PanelState::Collapsed)
         .with_timeline(layout.axis.timeline.as_str())
         .with_fps(layout.axis.steps_per_s);
-    // Left alone, a viewer follows what comes in, and stays at the end.
+    // Left alone, a viewer follows the incoming data, and stays at the end.
     if layout.opening.at_the_start { panel.with_play_state(PlayState::Paused) } else { panel }
 }
 

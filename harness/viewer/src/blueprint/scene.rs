@@ -13,9 +13,9 @@ use crate::{entity_paths, legend, palette};
 
 /// A property of a view, or of an entity in it, that Rerun's typed builders do not know.
 pub struct Property {
-    /// Where it is in the blueprint.
+    /// Its path in the blueprint.
     pub path: EntityPath,
-    /// What it says.
+    /// Its value.
     pub value: Box<dyn AsComponents>,
 }
 
@@ -35,22 +35,22 @@ impl Eye {
     /// Nearer, for small views.
     pub const NEAR: Self =
         Self { position_m: [-6.0, 0.0, 9.5], look_target_m: [9.0, 0.0, -1.5], follows: false };
-    /// High above the car, with which it goes: the way it looks counts, the rest follows from the range rings.
+    /// High above the car, and moves with it: only the direction counts, the rest follows from the range rings.
     pub const ALONG: Self =
         Self { position_m: [-32.0, 0.0, 34.0], look_target_m: [0.0, 0.0, -1.5], follows: true };
 }
 
-/// What a view of the scene shows.
+/// A view of the scene.
 pub struct Scene<'a> {
     /// Its name.
     pub name: &'a str,
     /// The frame it is drawn in: [`entity_paths::SENSOR`] or [`entity_paths::WORLD`].
     pub frame: &'static str,
-    /// From where it is seen.
+    /// The eye that sees it.
     pub eye: Eye,
-    /// What is drawn beside points and sensor, with everything below it.
+    /// Entities that are drawn besides points and sensor, each with everything below it.
     pub contents: Vec<EntityPath>,
-    /// What colours the points of the scan, and whether there are any.
+    /// Colours of the points of the scan, and whether there are any.
     pub points: ScenePoints,
 }
 
@@ -59,7 +59,7 @@ pub struct Scene<'a> {
 pub enum ScenePoints {
     /// None.
     None,
-    /// Without a meaning to their colour.
+    /// In colours without meaning.
     Plain,
     /// Coloured and named by these columns.
     By(PointColumns),
@@ -73,7 +73,7 @@ impl ScenePoints {
 }
 
 impl Scene<'_> {
-    /// The view. What it needs beside comes to `properties`.
+    /// The view. Appends the properties that it needs to `properties`.
     pub fn view(self, properties: &mut Vec<Property>) -> ContainerLike {
         let mut queries: Vec<String> = self.contents.iter().map(|it| format!("+ {it}/**")).collect();
         queries.push(format!("+ /{}", entity_paths::FORWARD));
@@ -136,7 +136,7 @@ pub fn add(
     properties.push(Property { path: view_path(view).join(&name.into()), value: Box::new(value) });
 }
 
-/// Where what holds for `entity` in `view` alone is.
+/// Path of the properties that hold for `entity` in `view` alone.
 fn override_path(view: &ContainerLike, entity: &EntityPath) -> EntityPath {
     view_path(view).join(&"ViewContents/overrides".into()).join(entity).join(&"visualizers".into())
 }

@@ -9,7 +9,7 @@ use super::scene::{Eye, Property, Scene, ScenePoints, hide};
 use crate::entity_paths;
 use crate::product_views::{DetectorViews, StageView};
 
-/// What `stage` left behind.
+/// View of the products of `stage`.
 pub fn stage_view(title: &str, stage: &StageView, properties: &mut Vec<Property>) -> ContainerLike {
     let points = if stage.is_of_cells { ScenePoints::None } else { ScenePoints::by(stage.labels) };
     scene(title, stage.entities.clone(), points, properties)
@@ -26,7 +26,7 @@ fn scene(
     view
 }
 
-/// A view for each stage of `detector`, then its scores, and what became of its detections.
+/// A view for each stage of `detector`, then one of its scores and one of its outcomes.
 pub fn stages(
     layout: &RecordingLayout<'_>,
     detector: &DetectorViews,

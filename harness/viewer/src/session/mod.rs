@@ -29,8 +29,8 @@ use super::stream_options::{ExistingRecording, Opening, StreamOptions};
 use super::viewer::{ServedRecording, ViewerLink, ViewerState};
 
 const APPLICATION_ID: &str = "scanbench";
-/// So many scans are written at once if no viewer waits for them. The index of the file, which Rerun holds in memory until
-/// its end, has a slot for every component in every chunk: a third of a megabyte for each time that something is
+/// Number of scans that are written at once if no viewer waits for them. Rerun holds the index of the file in memory until
+/// its end, and it has a slot for every component in every chunk: a third of a megabyte for each time that something is
 /// written.
 const MAX_HELD_BACK: u32 = 8;
 
@@ -63,7 +63,7 @@ pub struct Stream {
     n_held_back: u32,
 }
 
-/// What has to be remembered of a detector from scan to scan.
+/// State of a detector that is kept from scan to scan.
 struct DetectorState {
     name: String,
     on_screen: BTreeSet<EntityPath>,
@@ -85,7 +85,7 @@ impl Stream {
         Self::open_along(options, detectors, RecordingAxis::scans())
     }
 
-    /// The same for a recording over something else than scans.
+    /// Opens a recording over something else than scans; otherwise as [`Self::open`].
     ///
     /// # Errors
     ///
@@ -95,7 +95,7 @@ impl Stream {
         detectors: &[&str],
         axis: RecordingAxis,
     ) -> Result<Self, StreamError> {
-        // Rerun's own answer to this variable would be an empty file.
+        // Where the variable RERUN turns recordings off, Rerun itself would leave an empty file.
         if !rerun::decide_logging_enabled(true) {
             return Err(StreamError::SwitchedOff);
         }
@@ -152,15 +152,15 @@ impl Stream {
         self.viewer.served_at()
     }
 
-    /// How the viewer does; one that was lost is worth a warning.
+    /// State of the viewer; one that was lost is worth a warning.
     pub fn viewer_state(&self) -> ViewerState {
         self.viewer.state()
     }
 
     /// Logs points and annotations of a scan.
     ///
-    /// Whatever is logged afterwards belongs to it, until the next call or [`Self::log_step`]. Call it from the thread that
-    /// logs the detectors, and outside every stopwatch: what was logged before is written now or later, so that nothing of
+    /// Everything logged afterwards belongs to it, until the next call or [`Self::log_step`]. Call it from the thread that
+    /// logs the detectors, and outside every stopwatch: earlier data are written now or in a later call, so that nothing of
     /// the recording runs beside a detector. (A viewer is sent to beside it, and shares the processor with it if it runs on
     /// the same machine.)
     ///
@@ -182,7 +182,7 @@ impl Stream {
         Ok(())
     }
 
-    /// Goes on to another position on the axis, and writes `title` where the scan is named; the scan stays. Its `further`
+    /// Goes on to another position on the axis with the same scan, and writes `title` where the scan is named. The `further`
     /// series have these values there; one that is undefined leaves a gap.
     ///
     /// # Errors
@@ -200,7 +200,7 @@ impl Stream {
         log_further(&self.recording, further)
     }
 
-    /// Logs what a detector made of `scan`, which is the one that was logged last.
+    /// Logs the results of a detector on `scan`, which is the one that was logged last.
     ///
     /// # Errors
     ///
@@ -224,7 +224,7 @@ impl Stream {
             log_counts(stream, view.name, assignment, task.false_detections)?;
             log_f_rate(stream, view.name, assignment.task, task.f_rate_so_far)?;
         }
-        // What the previous scan had and this one has not would stay otherwise.
+        // Entities that only the previous scan had would stay otherwise.
         for path in state.on_screen.difference(&on_screen) {
             recording::log(stream, path.clone(), &Clear::flat())?;
         }
@@ -256,7 +256,7 @@ impl Stream {
         Ok(StreamEnding { file_n_bytes, viewer, served })
     }
 
-    /// Sends the blueprint, which depends on what the detectors leave behind.
+    /// Sends the blueprint, which depends on the stage products of the detectors.
     fn lay_out(&mut self) -> Result<(), StreamError> {
         let views = |it: &DetectorState| it.views.clone().unwrap_or_else(|| DetectorViews::of(&it.name, &[]));
         let detectors: Vec<DetectorViews> = self.detectors.iter().map(views).collect();
@@ -277,7 +277,7 @@ impl Stream {
 
     /// Lets Rerun write what it holds back, so that memory stays flat and a full disk is noticed.
     fn flush(&self) -> Result<(), StreamError> {
-        // Whatever the flush says is known better to the file.
+        // The file knows better than the flush why it failed.
         let flushed = self.recording.flush_blocking();
         self.file.check()?;
         flushed.map_err(|error| StreamError::Write { path: self.path.clone(), reason: error.to_string() })

@@ -1,4 +1,4 @@
-//! At which recalls a mean is taken.
+//! Recalls over which a mean is taken.
 
 use std::ops::RangeInclusive;
 
@@ -24,7 +24,7 @@ impl Recalls {
         }
     }
 
-    /// The mean of what was looked up at 41 recalls; `None` if a value of it is none.
+    /// Mean of values that were looked up at 41 recalls; `None` if one of them is NaN.
     fn mean_of(self, values: &[f64; N_RECALLS]) -> Option<f64> {
         let (steps, n_steps) = self.steps();
         let stride = (N_RECALLS - 1) / n_steps as usize;

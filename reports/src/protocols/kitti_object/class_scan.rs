@@ -1,4 +1,4 @@
-//! What questions about one class look at in a scan, prepared once for all of them.
+//! A scan prepared once for all questions about one class.
 
 use super::roles::{Role, annotation_role, detection_role};
 use super::rules::{Difficulty, KittiClass, Plane, Question};
@@ -6,15 +6,15 @@ use super::scan::{KittiPair, KittiScan};
 
 const N_DIFFICULTIES: usize = Difficulty::ALL.len();
 
-/// A scan as questions about one class see it.
+/// Roles and pairs of a scan in questions about one class.
 pub struct ClassScan<'a> {
     /// The scan.
     pub scan: &'a KittiScan,
     class: KittiClass,
-    // Of each annotation and each detection its role in each difficulty.
+    // For each annotation and each detection its role in each difficulty.
     annotations: Vec<[Role; N_DIFFICULTIES]>,
     detections: Vec<[Role; N_DIFFICULTIES]>,
-    // Of annotations that can be matched, with the similarity of headings, in the order of annotations, then detections.
+    // Pairs of annotations that can be matched, with similarities of headings, in the order of annotations, then detections.
     pairs: Vec<(&'a KittiPair, f64)>,
     n_annotations: [u32; N_DIFFICULTIES],
 }
@@ -26,20 +26,20 @@ pub struct Candidate {
     pub annotation: usize,
     /// Index of the detection.
     pub detection: usize,
-    /// By how much they overlap.
+    /// Their overlap.
     pub overlap: f64,
     /// The score of the detection.
     pub score: f64,
     /// How near the headings are, 0 to 1.
     pub similarity: f64,
-    /// What the annotation is to the question.
+    /// Role of the annotation in the question.
     pub annotation_role: Role,
-    /// What the detection is to it.
+    /// Role of the detection in the question.
     pub detection_role: Role,
 }
 
 impl<'a> ClassScan<'a> {
-    /// `scan` as questions about `class` see it.
+    /// Prepares `scan` for questions about `class`.
     pub fn of(scan: &'a KittiScan, class: KittiClass) -> Self {
         let in_each = |role: &dyn Fn(Difficulty) -> Role| Difficulty::ALL.map(role);
         let annotations: Vec<_> =
@@ -62,19 +62,19 @@ impl<'a> ClassScan<'a> {
         self.n_annotations[difficulty as usize]
     }
 
-    /// What a detection is to questions of this difficulty.
+    /// Role of a detection in questions of this difficulty.
     pub fn detection_role(&self, detection: usize, difficulty: Difficulty) -> Role {
         self.detections[detection][difficulty as usize]
     }
 
-    /// The detections of the class itself, each with its index.
+    /// Detections of the class, each with its index.
     pub fn of_class(&self) -> impl Iterator<Item = (usize, &super::scan::KittiDetection)> {
         let class = self.class.annotation_class();
         self.scan.detections().iter().enumerate().filter(move |(_, it)| it.object.class == class)
     }
 
-    /// The pairs that overlap enough for `question`, in the order of annotations, then detections. Among the detections are
-    /// those of other classes that are too low.
+    /// Pairs that overlap enough for `question`, in the order of annotations, then detections. They include detections of
+    /// other classes that are too low.
     pub fn candidates(&self, question: &Question) -> impl Iterator<Item = Candidate> {
         let (plane, level, min_overlap) =
             (question.plane, question.difficulty as usize, question.min_overlap());

@@ -1,20 +1,20 @@
-//! Pairs that hang together by annotations and detections that they share: what is matched in one component changes no
-//! other.
+//! Connected components of pairs: pairs are connected if they share an annotation or a detection. Matches in one component
+//! change no other.
 
 use super::class_scan::Candidate;
 
-/// Finds components; its memory is used again.
+/// Finds components; its memory is reused.
 #[derive(Debug, Default)]
 pub struct Components {
-    // Of each annotation one that hangs together with it and does not come after it.
+    // For each annotation one that is connected with it and does not come after it.
     earlier: Vec<usize>,
-    // Of each detection the first annotation that it is paired with.
+    // For each detection the first annotation that it is paired with.
     first: Vec<Option<usize>>,
 }
 
 impl Components {
-    /// Puts candidates that hang together next to one another, and returns each component. They come and stay in the order
-    /// of annotations, then detections.
+    /// Moves connected candidates next to one another, and returns each component. They come and stay in the order of
+    /// annotations, then detections.
     pub fn split<'a>(&'a mut self, candidates: &'a mut [Candidate]) -> impl Iterator<Item = &'a [Candidate]> {
         self.earlier.clear();
         self.earlier.extend(0..candidates.last().map_or(0, |it| it.annotation + 1));
@@ -25,7 +25,7 @@ impl Components {
             let [root, other] = [it.annotation, first].map(|it| self.root(it));
             self.earlier[root.max(other)] = root.min(other);
         }
-        // What comes before is a root, or has one by now.
+        // An earlier annotation is a root, or points at one by now.
         for annotation in 0..self.earlier.len() {
             self.earlier[annotation] = self.earlier[self.earlier[annotation]];
         }

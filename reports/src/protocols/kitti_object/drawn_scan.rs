@@ -1,4 +1,4 @@
-//! Scans for tests: objects in a row along the road, each by a number that says where.
+//! Scans for tests: objects in a row along the road, each placed by a number.
 
 use super::rules::{Demand, Difficulty, KittiClass, Plane, Question};
 use super::scan::{KittiAnnotation, KittiDetection, KittiScan};
@@ -6,7 +6,7 @@ use super::score_events::ScoreEvents;
 use crate::rows::kitti_object_row::{KittiBox, KittiFact, KittiOverlap};
 use crate::vocabulary::class::AnnotationClass;
 
-/// What is asked of these scans.
+/// The question about these scans.
 pub const QUESTION: Question = Question {
     class: KittiClass::Car,
     difficulty: Difficulty::Moderate,
@@ -14,7 +14,7 @@ pub const QUESTION: Question = Question {
     demand: Demand::Strict,
 };
 
-/// What changes at which score, the best first: by how much what is right and what is false grow.
+/// Changes of the numbers of right and false detections, as `(score, right, false)`, the best score first.
 pub fn changes(events: &ScoreEvents) -> Vec<(f64, i32, i32)> {
     let falses = events.falses.iter().map(|(score, _)| (*score, 0, 1));
     let mut changes: Vec<_> = events.events.iter().map(|it| (it.score, it.tp, it.fp)).chain(falses).collect();
@@ -44,7 +44,7 @@ pub fn detection(class: AnnotationClass, position: f64, score: f64) -> KittiDete
     KittiDetection { object: boxed(class, position), score }
 }
 
-/// A scan in which these overlap, everywhere alike.
+/// A scan in which these pairs overlap, by the same in every plane.
 pub fn scan(
     annotations: &[KittiAnnotation],
     detections: &[KittiDetection],

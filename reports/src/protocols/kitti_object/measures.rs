@@ -1,9 +1,9 @@
-//! What is measured under KITTI's protocol: each number by its name.
+//! Numbers of KITTI's protocol, each with its name.
 
 use super::averages::Recalls;
 use super::rules::{Demand, Plane, Question};
 
-/// What names of the sound reading begin with.
+/// Prefix of the names of the sound reading.
 const SOUND: &str = "sound_";
 
 /// The numbers that stand in short tables: of the kit, over 40 recalls, in space and on the plan, at the usual overlaps.
@@ -21,40 +21,40 @@ pub fn is_sound(id: &str) -> bool {
     id.starts_with(SOUND)
 }
 
-/// Whose matching and whose mean.
+/// Matching and mean: the development kit's or ours.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum Reading {
-    /// That of the development kit, which depends on the order of files, and of which annotations fed back need not reach
+    /// That of the development kit, which depends on the order of files, and under which annotations fed back need not reach
     /// the maximum.
     Official,
-    /// Ours, which does not, and of which they do.
+    /// Ours, which does not, and under which they do.
     Sound,
 }
 
-/// What is averaged over recalls.
+/// Quantity that is averaged over recalls.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum Averaged {
     /// The share of the detections that are right.
     Precision,
-    /// The same, each by how near its heading is: AOS.
+    /// The share of the detections that are right, each weighted by how near its heading is: AOS.
     Similarity,
 }
 
 /// A number.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct Measure {
-    /// What is matched.
+    /// The question.
     pub question: Question,
-    /// How.
+    /// The reading.
     pub reading: Reading,
-    /// What is averaged.
+    /// The averaged quantity.
     pub averaged: Averaged,
-    /// Over which recalls.
+    /// The recalls.
     pub recalls: Recalls,
 }
 
 impl Measure {
-    /// All of one question, in the order of tables.
+    /// All measures of one question, in the order of tables.
     pub fn of(question: Question) -> Vec<Self> {
         let mut all = Vec::new();
         let averaged: &[Averaged] = match question.plane {

@@ -1,4 +1,4 @@
-//! KITTI's object benchmark: what is right and what is false among detections, and average precision of it.
+//! KITTI's object benchmark: right and false detections, and average precision.
 
 pub mod rules;
 pub mod scan;

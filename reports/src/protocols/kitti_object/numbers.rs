@@ -1,4 +1,4 @@
-//! From scans to the numbers of KITTI's protocol.
+//! Numbers of KITTI's protocol, made of scans.
 
 use std::collections::BTreeMap;
 
@@ -18,10 +18,10 @@ use crate::protocols::under_protocol::Ranking;
 use crate::rows::scan_name::ScanName;
 use crate::vocabulary::metric::Direction;
 
-/// What a heading is where it is not known.
+/// Heading that stands for an unknown one.
 const UNKNOWN_ALPHA_RAD: f64 = -10.0;
 
-/// What one detector made of scans, matched and ready to be made numbers of, however often each scan is there.
+/// Matches of one detector in scans, ready for their numbers, however often each scan occurs.
 #[derive(Debug, Clone)]
 pub struct KittiMatches {
     has_headings: bool,
@@ -36,7 +36,7 @@ struct OfQuestion {
 }
 
 impl KittiMatches {
-    /// Matches `scans`, each by its index among all scans; those of which nothing is known may be left out.
+    /// Matches `scans`, each with its index among all scans; those of which nothing is known may be left out.
     pub fn of(scans: &[(u32, &KittiScan)]) -> Self {
         let mut detections = scans.iter().flat_map(|(_, it)| it.detections());
         let mut of_questions: Vec<OfQuestion> =
@@ -46,7 +46,7 @@ impl KittiMatches {
         Self { has_headings: detections.all(|it| it.object.alpha_rad != UNKNOWN_ALPHA_RAD), of_questions }
     }
 
-    /// The same of those of `scans` that are among `names`, which ascend.
+    /// Matches those of `scans` that are among `names`, which ascend.
     pub fn named(names: &[ScanName], scans: &BTreeMap<ScanName, KittiScan>) -> Self {
         let placed = scans.iter().filter_map(|(name, scan)| {
             let index = names.binary_search(name).ok()?;
@@ -55,7 +55,7 @@ impl KittiMatches {
         Self::of(&placed.collect::<Vec<_>>())
     }
 
-    /// What is measured, with the number of annotations that it is made of, in the order of [`Self::values`].
+    /// The measures, each with the number of annotations that it is made of, in the order of [`Self::values`].
     pub fn measures(&self) -> Vec<(Measure, u64)> {
         let of = |it: &OfQuestion| {
             let n_annotations = it.sound.n_annotations_once();
@@ -64,10 +64,10 @@ impl KittiMatches {
         self.of_questions.iter().flat_map(of).collect()
     }
 
-    /// The values where scan *i* is there `times[i]` times.
+    /// Values where scan *i* occurs `times[i]` times.
     ///
-    /// One is undefined without any annotation that counts, though the development kit says 0; so is a similarity of
-    /// headings if a detection does not say its heading, and what the kit would make of zero by zero.
+    /// A value is undefined without annotations that count, though the development kit says 0; so is a similarity of
+    /// headings if a detection has no heading, and a value for which the kit divides zero by zero.
     pub fn values(&self, times: &[u16]) -> Vec<Option<f64>> {
         let [values] = self.of_draws(&single_draw(times));
         values
@@ -159,7 +159,7 @@ mod tests {
 
     type Scene = (Vec<KittiAnnotation>, Vec<KittiDetection>);
 
-    /// Things at positions along a road, one wide: what is nearer than that overlaps.
+    /// Objects at positions along a road, each one wide: those nearer than that overlap.
     fn scan_of((annotations, detections): &Scene) -> KittiScan {
         let position = |it: &crate::rows::kitti_object_row::KittiBox| it.bottom_center_m[0] / 10.0;
         let mut pairs = Vec::new();
@@ -202,7 +202,7 @@ mod tests {
 
     fn sound(values: Vec<(Measure, Option<f64>)>) -> Vec<Option<f64>> {
         let sound = values.into_iter().filter(|(it, _)| it.reading == Reading::Sound);
-        // Similarities are sums, which round by their order.
+        // Similarities are sums, whose rounding depends on their order.
         sound.map(|(_, value)| value.map(|it| (it * 1e9).round())).collect()
     }
 

@@ -1,8 +1,8 @@
 //! Precision at 41 recalls as the development kit has it.
 //!
-//! The least scores that it is looked up at are those of detections that are right when all are kept: from the surest down,
-//! each is taken that comes nearest to the next of the recalls 0, 1/40, …, 1. So with fewer than 41 annotations there are
-//! fewer, and precision is 0 at the rest: annotations fed back do not reach the maximum.
+//! Its thresholds are scores of detections that are right when all are kept: from the surest down, each is taken that comes
+//! nearest to the next of the recalls 0, 1/40, …, 1. So with fewer than 41 annotations there are fewer thresholds, and
+//! precision is 0 at the other recalls: annotations fed back do not reach the maximum.
 
 use super::recall_curve::{N_RECALLS, RecallCurve, best_from_here};
 use super::score_events::{Counted, ScoredMatches};
@@ -28,11 +28,11 @@ pub fn official_curves<const N: usize>(matches: &ScoredMatches, times: &[Times<N
     })
 }
 
-/// What was looked up in one draw so far.
+/// Values looked up in one draw so far.
 struct Lookup {
     n_annotations: f64,
     n_hits: f64,
-    // How many hits come before the next threshold, and the recall that it is to be near.
+    // Number of hits before the next threshold, and the recall that it is to be near.
     next: f64,
     next_recall: f64,
     n_taken: usize,
@@ -55,12 +55,12 @@ impl Lookup {
         lookup
     }
 
-    /// How many hits have to be kept for the next threshold; infinitely many if there is none.
+    /// Number of hits to be kept for the next threshold; infinity if there is none.
     fn n_needed(&self) -> f64 {
         if self.next < self.n_hits && self.n_taken < N_RECALLS { self.next + 1.0 } else { f64::INFINITY }
     }
 
-    /// Takes the values of all thresholds that are reached.
+    /// Takes the values at all thresholds that are reached.
     fn take<const N: usize>(&mut self, counted: &Counted<N>, draw: usize) {
         while counted.n_hits[draw] >= self.n_needed() {
             let n_detections = counted.tp[draw] + counted.fp[draw];
@@ -74,13 +74,13 @@ impl Lookup {
         }
     }
 
-    /// Leaves out the hits that are farther from the next recall than those that follow. The last is never left out.
+    /// Skips the hits that are farther from the next recall than those that follow. The last is never skipped.
     fn skip(&mut self) {
         let is_skipped = |n_before: f64| {
             let [recall, recall_of_next] = [1.0, 2.0].map(|it| (n_before + it) / self.n_annotations);
             recall_of_next - self.next_recall < self.next_recall - recall
         };
-        // Less by more than rounding adds: all before are left out.
+        // Smaller by more than rounding adds: all hits before it are skipped.
         let surely = (self.next_recall * self.n_annotations - 2.5).floor();
         let mut next = self.next.max(surely.min(self.n_hits - 1.0));
         while next + 1.0 < self.n_hits && is_skipped(next) {
@@ -97,7 +97,7 @@ mod tests {
     use super::*;
     use crate::protocols::drawn_scans::single_draw;
 
-    /// Detections of these scores, right or false, one a scan, of `n` annotations.
+    /// Matches of detections of these scores, right or false, one a scan, and of `n` annotations.
     fn matches(scored: &[(f64, bool)], n: u32) -> ScoredMatches {
         let mut matches = ScoreEvents { annotations: vec![(0, n)], ..ScoreEvents::default() };
         for (&(score, is_right), scan) in scored.iter().zip(0..) {
@@ -134,7 +134,7 @@ mod tests {
 
     #[test]
     fn a_hundred_of_two_hundred_is_half() {
-        // Every other detection is false; so is precision a half from the second on.
+        // Every other detection is false, so precision is a half from the second on.
         let half: Vec<(f64, bool)> = (0..200).map(|it| (f64::from(-it), it % 2 == 0)).collect();
         let it = curve(&matches(&half, 200), &[1; 200]);
         // Recall 0 is the first detection; recall 0.5 is the last that is right, of 199.

@@ -1,8 +1,8 @@
 //! Matching as the development kit does it: annotation by annotation, in the order of the files, anew for each least score.
 //!
-//! Twice over: first with all detections, where an annotation takes the surest that overlaps it enough; the scores of what
-//! is found so become the least scores that precision is looked up at. Then for each of these, where an annotation takes the
-//! one that overlaps it most. What hangs together is matched by itself.
+//! It runs twice: first with all detections, where an annotation takes the surest that overlaps it enough; the scores of
+//! these hits become the least scores that precision is looked up at. Then for each of these, where an annotation takes the
+//! detection that overlaps it most. Each component of pairs is matched by itself.
 
 use super::class_scan::{Candidate, ClassScan};
 use super::components::Components;
@@ -10,27 +10,27 @@ use super::roles::Role;
 use super::rules::{Plane, Question};
 use super::score_events::{ScoreEvent, ScoreEvents};
 
-/// Matches scans; its memory is used again.
+/// Matches scans; its memory is reused.
 #[derive(Debug, Default)]
 pub struct OfficialMatching {
     candidates: Vec<Candidate>,
     components: Components,
-    // Of each detection whether it is found alone, and whether it is taken.
+    // For each detection whether its pair is a component by itself, and whether it is taken.
     is_alone: Vec<bool>,
     is_taken: Vec<bool>,
 }
 
-/// What is right among the detections of some least score.
+/// Right detections among those of at least some score.
 #[derive(Debug, Clone, Copy, Default)]
 struct Found {
     tp: i32,
-    // Detections that would be false, had they found nothing.
+    // Matched detections that would be false, had they found nothing.
     n_excused: i32,
     similarity: f64,
 }
 
 impl OfficialMatching {
-    /// Adds what is found in the scan at this index.
+    /// Adds the matches of the scan at this index.
     pub fn add(&mut self, index: u32, scan: &ClassScan<'_>, question: &Question, events: &mut ScoreEvents) {
         let n_annotations = scan.n_annotations(question.difficulty);
         events.annotations.extend((n_annotations > 0).then_some((index, n_annotations)));
@@ -58,7 +58,7 @@ impl OfficialMatching {
 
 /// Whether a detection is false where it finds nothing.
 fn can_be_false(scan: &ClassScan<'_>, question: Question, detection: usize) -> bool {
-    // Regions without labels have no position in the world, so that they excuse in the image only.
+    // Regions without labels have no position in the world, so they excuse in the image only.
     let is_excused =
         || question.plane == Plane::Image && scan.scan.dont_care_share(detection) > question.min_overlap();
     scan.detection_role(detection, question.difficulty) == Role::Counts && !is_excused()
@@ -68,13 +68,13 @@ fn is_found_by(it: &Candidate) -> bool {
     it.annotation_role == Role::Counts && it.detection_role == Role::Counts
 }
 
-/// What a pair changes that hangs together with no other.
+/// Event of a pair that is a component by itself; `None` unless annotation and detection count.
 fn found_alone(it: &Candidate, scan: u32) -> Option<ScoreEvent> {
     let Candidate { score, similarity, .. } = *it;
     is_found_by(it).then_some(ScoreEvent { score, scan, tp: 1, fp: 0, n_hits: 1, similarity })
 }
 
-/// Pairs that hang together.
+/// A component of pairs.
 struct Component<'a> {
     // In the order of annotations, then detections.
     pairs: &'a [Candidate],
@@ -88,8 +88,7 @@ impl Component<'_> {
         }
     }
 
-    /// Adds the scores of what is found when every annotation takes the surest detection that is free; the first of those
-    /// alike.
+    /// Adds the scores of the hits, where every annotation takes the surest detection that is free, the first among equals.
     fn add_hits(&mut self, scan: u32, events: &mut Vec<ScoreEvent>) {
         self.free_all();
         for of_annotation in self.pairs.chunk_by(|a, b| a.annotation == b.annotation) {
@@ -107,7 +106,7 @@ impl Component<'_> {
         }
     }
 
-    /// Adds what changes at every score that a detection has.
+    /// Adds the changes at the score of every detection.
     fn add_changes(&mut self, scan: u32, can_be_false: impl Fn(usize) -> bool, events: &mut Vec<ScoreEvent>) {
         let mut scores: Vec<f64> = self.pairs.iter().map(|it| it.score).collect();
         scores.sort_by(|a, b| b.total_cmp(a));
@@ -122,8 +121,7 @@ impl Component<'_> {
         }
     }
 
-    /// What is right among detections of at least `min_score`. Those that are false are counted as if nothing were found,
-    /// elsewhere.
+    /// Right detections among those of at least `min_score`. False ones are counted elsewhere, as if nothing were found.
     fn found(&mut self, min_score: f64, can_be_false: &impl Fn(usize) -> bool) -> Found {
         self.free_all();
         let mut found = Found::default();
@@ -139,7 +137,7 @@ impl Component<'_> {
         found
     }
 
-    /// The detection that counts and overlaps most, the first of those alike; without one, the first that is ignored.
+    /// The detection that counts and overlaps most, the first among equals; without one, the first that is ignored.
     fn most_overlapping<'a>(&self, of_annotation: &'a [Candidate], min_score: f64) -> Option<&'a Candidate> {
         let is_free = |it: &&Candidate| !self.is_taken[it.detection] && it.score >= min_score;
         let (mut most, mut ignored): (Option<&Candidate>, Option<&Candidate>) = (None, None);
@@ -162,7 +160,7 @@ mod tests {
     use super::*;
     use crate::vocabulary::class::AnnotationClass::{Car, Van};
 
-    /// The scores that thresholds are taken from, and what is right and false from each score on.
+    /// Scores that thresholds are taken from, and the numbers of right and false detections down to each score.
     fn counted(scan: &KittiScan) -> (Vec<f64>, Vec<(f64, i32, i32)>) {
         let mut events = ScoreEvents::default();
         let scan = ClassScan::of(scan, KittiClass::Car);

@@ -3,7 +3,7 @@
 use super::rules::{Difficulty, KittiClass};
 use super::scan::{KittiAnnotation, KittiDetection};
 
-/// What an annotation or a detection is to a question.
+/// Role of an annotation or a detection in a question.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Role {
     /// An annotation that is to be found; a detection that is right or false.
@@ -14,7 +14,7 @@ pub enum Role {
     Absent,
 }
 
-/// What an annotation is to questions about a class.
+/// Role of an annotation in questions about a class.
 pub fn annotation_role(annotation: &KittiAnnotation, class: KittiClass, difficulty: Difficulty) -> Role {
     let limits = difficulty.limits();
     let is_within = annotation.occlusion <= limits.max_occlusion
@@ -26,7 +26,7 @@ pub fn annotation_role(annotation: &KittiAnnotation, class: KittiClass, difficul
     if Some(annotation.object.class) == class.neighbor() { Role::Ignored } else { Role::Absent }
 }
 
-/// What a detection is to questions about a class. One that is too low in the image is ignored whatever its class is, as the
+/// Role of a detection in questions about a class. One that is too low in the image is ignored whatever its class is, as the
 /// makers' program has it.
 pub fn detection_role(detection: &KittiDetection, class: KittiClass, difficulty: Difficulty) -> Role {
     if detection.object.height_px().abs() < difficulty.limits().min_height_px {

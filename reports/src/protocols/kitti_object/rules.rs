@@ -1,4 +1,4 @@
-//! The rules of KITTI's evaluation of object detection: what is evaluated, and where it draws the line.
+//! The rules of KITTI's evaluation of object detection: classes, difficulties, planes, and required overlaps.
 //!
 //! Geiger, Lenz, Urtasun: Are we ready for autonomous driving?, CVPR 2012; the development kit of the object benchmark.
 
@@ -37,29 +37,29 @@ named! {
     }
 }
 
-/// How much they have to.
+/// How much boxes have to overlap.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum Demand {
     /// As the benchmark has it.
     Strict,
-    /// Less on the ground plan and in space, as many print beside.
+    /// Less on the ground plan and in space, as many publish in addition.
     Loose,
 }
 
-/// One evaluation: what is matched, and what with.
+/// One evaluation: class, difficulty, plane and demand.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct Question {
     /// The class.
     pub class: KittiClass,
     /// Which annotations count.
     pub difficulty: Difficulty,
-    /// In what boxes overlap.
+    /// The plane in which boxes have to overlap.
     pub plane: Plane,
-    /// How much.
+    /// How much they have to overlap.
     pub demand: Demand,
 }
 
-/// What annotations of a difficulty keep within.
+/// Limits of the annotations of a difficulty.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Limits {
     /// An annotation is higher than this in the image, a detection at least as high, in pixels.
@@ -71,7 +71,7 @@ pub struct Limits {
 }
 
 impl KittiClass {
-    /// What labels call it.
+    /// The class of its annotations.
     pub fn annotation_class(self) -> AnnotationClass {
         match self {
             Self::Car => AnnotationClass::Car,
@@ -80,7 +80,7 @@ impl KittiClass {
         }
     }
 
-    /// What is so much like it that it is neither to be found nor false.
+    /// The class so similar to it that its annotations are ignored: neither to be found, nor false if they are.
     pub fn neighbor(self) -> Option<AnnotationClass> {
         match self {
             Self::Car => Some(AnnotationClass::Van),
@@ -89,7 +89,7 @@ impl KittiClass {
         }
     }
 
-    /// Overlap that is exceeded by what is found.
+    /// Overlap that a match has to exceed.
     pub fn min_overlap(self, plane: Plane, demand: Demand) -> f64 {
         match (self, plane, demand) {
             (Self::Car, Plane::Image, _) | (Self::Car, _, Demand::Strict) => 0.7,
@@ -112,7 +112,7 @@ impl Difficulty {
 }
 
 impl Question {
-    /// All that differ: in the image both demands are the same.
+    /// All different questions: in the image both demands are the same.
     pub fn all() -> Vec<Self> {
         let mut all = Vec::new();
         for plane in Plane::ALL {
@@ -128,7 +128,7 @@ impl Question {
         all
     }
 
-    /// Overlap that is exceeded by what is found.
+    /// Overlap that a match has to exceed.
     pub fn min_overlap(&self) -> f64 {
         self.class.min_overlap(self.plane, self.demand)
     }

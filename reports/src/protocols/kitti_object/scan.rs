@@ -1,4 +1,4 @@
-//! What KITTI's evaluation looks at, scan by scan.
+//! Annotations, detections and pairs of KITTI's evaluation, scan by scan.
 
 use std::cmp::Ordering;
 
@@ -7,7 +7,7 @@ use crate::rows::kitti_object_row::{KittiBox, KittiFact, KittiOverlap};
 /// An annotation.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct KittiAnnotation {
-    /// What it is and where.
+    /// Its class and its boxes.
     pub object: KittiBox,
     /// Level of occlusion, 0 to 3.
     pub occlusion: i64,
@@ -18,7 +18,7 @@ pub struct KittiAnnotation {
 /// A detection.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct KittiDetection {
-    /// What it is and where.
+    /// Its class and its boxes.
     pub object: KittiBox,
     /// How sure the detector is.
     pub score: f64,
@@ -31,11 +31,11 @@ pub struct KittiPair {
     pub annotation: usize,
     /// Index of the detection.
     pub detection: usize,
-    /// By how much.
+    /// Their overlap.
     pub overlap: KittiOverlap,
 }
 
-/// One scan as one detector sees it.
+/// One scan with the detections of one detector.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct KittiScan {
     // Invariant: pairs are in the order of annotations, then detections; both they and `dont_care` name indices that exist.
@@ -46,12 +46,12 @@ pub struct KittiScan {
 }
 
 impl KittiScan {
-    /// Of what rows say about one scan, in any order.
+    /// The scan that rows describe, in any order.
     ///
     /// # Errors
     ///
-    /// A sentence, if an index is missing, comes twice, or is named by a pair only; or a region names a detection that is
-    /// not there.
+    /// A sentence, if an index is missing, occurs twice, or only in a pair; or if a region names a detection that does not
+    /// exist.
     pub fn of(facts: impl IntoIterator<Item = KittiFact>) -> Result<Self, String> {
         let (mut annotations, mut detections) = (Vec::new(), Vec::new());
         let (mut pairs, mut shares) = (Vec::new(), Vec::new());
@@ -104,7 +104,7 @@ impl KittiScan {
     }
 }
 
-/// Puts the values in the order of their indices, which are to be those from 0 on, each once.
+/// Sorts values by their indices, which have to be 0, 1, and so on, each once.
 fn in_order<T>(mut placed: Vec<(u32, T)>, what: &str) -> Result<Vec<T>, String> {
     placed.sort_by_key(|(index, _)| *index);
     for ((index, _), expected) in placed.iter().zip(0..) {
@@ -117,7 +117,7 @@ fn in_order<T>(mut placed: Vec<(u32, T)>, what: &str) -> Result<Vec<T>, String> 
     Ok(placed.into_iter().map(|(_, it)| it).collect())
 }
 
-/// Makes sure that no pair comes twice, and that both of each are there.
+/// Checks that no pair occurs twice, and that both objects of each pair exist.
 fn check_pairs(pairs: &[KittiPair], n_annotations: usize, n_detections: usize) -> Result<(), String> {
     let twice = pairs.windows(2).find(|it| index_of(&it[0]) == index_of(&it[1]));
     if let Some([KittiPair { annotation, detection, .. }, ..]) = twice {

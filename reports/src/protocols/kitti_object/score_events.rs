@@ -1,37 +1,37 @@
-//! How counts change as the least score that is kept goes down.
+//! Changes of counts as the least score that is kept goes down.
 
 use crate::protocols::drawn_scans::{Times, add, n_in_draws};
 
-/// What changes when detections of this score join, other than that one more is false.
+/// Changes when detections of this score join, other than one more false detection.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ScoreEvent {
     /// The score.
     pub score: f64,
     /// Index of the scan.
     pub scan: u32,
-    /// By how much the detections that are right grow. Of the makers' matching it may be negative, since what joins may take
-    /// an annotation away.
+    /// Increase of the number of right detections. It may be negative in the makers' matching, since a detection that joins
+    /// may take an annotation away.
     pub tp: i32,
-    /// By how much those that are false grow.
+    /// Increase of the number of false detections.
     pub fp: i32,
-    /// How many of them are right when all detections are kept: thresholds are taken from their scores.
+    /// Number of hits among them, right when all detections are kept: thresholds are taken from their scores.
     pub n_hits: u32,
-    /// By how much the sum of the similarities of headings grows.
+    /// Increase of the sum of the similarities of headings.
     pub similarity: f64,
 }
 
-/// What one question asks of all scans, matched in one way, in any order.
+/// Annotations and changes of all scans for one question, matched in one way, in any order.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct ScoreEvents {
-    /// Of each scan that has some: its index, and the annotations that are to be found.
+    /// For each scan with annotations to be found: its index and their number.
     pub annotations: Vec<(u32, u32)>,
-    /// Detections that are false and change nothing else: the score of each, and the index of its scan.
+    /// Detections that are false and change nothing else: score, and index of the scan.
     pub falses: Vec<(f64, u32)>,
     /// All other changes.
     pub events: Vec<ScoreEvent>,
 }
 
-/// What one question asks of all scans, the best score first.
+/// Annotations and changes of all scans for one question, the best score first.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ScoredMatches {
     annotations: Vec<(u32, u32)>,
@@ -44,7 +44,7 @@ pub struct ScoredMatches {
 #[derive(Debug, Clone, Copy, PartialEq)]
 struct Turn {
     scan: u32,
-    // How many false detections have its score or a better one.
+    // Number of false detections with its score or a better one.
     n_falses: u32,
     tp: i32,
     fp: i32,
@@ -54,7 +54,7 @@ struct Turn {
     similarity: f64,
 }
 
-/// Detections of some least score, in each of `N` draws.
+/// Counts of the detections of at least some score, in each of `N` draws.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Counted<const N: usize> {
     /// Those that are right.
@@ -68,10 +68,10 @@ pub struct Counted<const N: usize> {
 }
 
 impl ScoreEvents {
-    /// In the order of scores.
+    /// Sorts the changes by score.
     pub fn sorted(mut self) -> ScoredMatches {
         self.falses.sort_unstable_by(|a, b| b.0.total_cmp(&a.0).then(a.1.cmp(&b.1)));
-        // Stable: changes of like scores stay in the order of scans.
+        // Stable: changes of equal scores stay in the order of scans.
         self.events.sort_by(|a, b| b.score.total_cmp(&a.score));
         let (mut turns, mut n_falses) = (Vec::with_capacity(self.events.len()), 0);
         for alike in self.events.chunk_by(|a, b| a.score == b.score) {
@@ -110,7 +110,7 @@ impl ScoredMatches {
         n_in_draws(&self.hits, times)
     }
 
-    /// Shows `visit` what is counted down to each score at which more changes than that detections are false, the best
+    /// Calls `visit` with the counts down to each score at which more changes than the number of false detections, the best
     /// first.
     #[inline(always)]
     pub fn go_through<const N: usize>(&self, times: &[Times<N>], mut visit: impl FnMut(&Counted<N>)) {

@@ -8,8 +8,8 @@ use crate::protocols::drawn_scans::Times;
 
 const N_STEPS: u64 = N_RECALLS as u64 - 1;
 
-/// The curve of each draw: the largest value that is reached at each recall or beyond, 0 where none is; `None` without any
-/// annotation.
+/// Curve of each draw: the largest value that is reached at each recall or beyond, 0 where none is; `None` without
+/// annotations.
 pub fn sound_curves<const N: usize>(matches: &ScoredMatches, times: &[Times<N>]) -> [Option<RecallCurve>; N] {
     let n_annotations = matches.n_annotations(times);
     let mut best = BestValues::new(&n_annotations);
@@ -23,15 +23,15 @@ pub fn sound_curves<const N: usize>(matches: &ScoredMatches, times: &[Times<N>])
     })
 }
 
-/// The best values between one recall and the next, while scores are gone through.
+/// Best values between one recall and the next, while going through the scores.
 struct BestValues<const N: usize> {
     n_annotations: [f64; N],
-    // How many have to be found for the recall after the last that was reached.
+    // Number to be found for the recall after the last that was reached.
     n_needed: [f64; N],
     reached: [usize; N],
     precision: [[f64; N_RECALLS]; N],
     similarity: [[f64; N_RECALLS]; N],
-    // Those since the last recall was reached.
+    // Best values since the last recall was reached.
     precision_since: [f64; N],
     similarity_since: [f64; N],
 }
@@ -57,7 +57,7 @@ impl<const N: usize> BestValues<N> {
         }
         for draw in 0..N {
             let n_detections = counted.tp[draw] + counted.fp[draw];
-            // Of no detection they are no numbers, which are not above the best.
+            // Without detections they are NaN, which is not above the best.
             let values = [counted.tp[draw] / n_detections, counted.similarity[draw] / n_detections];
             let since = [&mut self.precision_since[draw], &mut self.similarity_since[draw]];
             for (value, since) in values.into_iter().zip(since) {
@@ -66,7 +66,7 @@ impl<const N: usize> BestValues<N> {
         }
     }
 
-    /// Goes on to the last recall that is reached by what was found.
+    /// Goes on to the last recall that `n_found` reaches.
     fn reach(&mut self, n_found: &[f64; N]) {
         let n_needed = self.n_needed;
         for draw in (0..N).filter(|it| n_found[*it] >= n_needed[*it]) {
@@ -86,8 +86,8 @@ impl<const N: usize> BestValues<N> {
     }
 }
 
-/// How many of `n_annotations` are a recall of so many steps; infinitely many beyond the last. In whole numbers: a recall of
-/// 0.3 is not to fall short of 30 %.
+/// Number of `n_annotations` to be found for a recall of `step` steps; infinity beyond the last. In whole numbers, so that a
+/// recall of 0.3 does not fall short of 30 %.
 fn n_to_reach(step: usize, n_annotations: f64) -> f64 {
     if step < N_RECALLS {
         (step as u64 * n_annotations as u64).div_ceil(N_STEPS) as f64

@@ -16,19 +16,19 @@ use super::scan::{KittiDetection, KittiScan};
 use super::score_events::{ScoreEvent, ScoreEvents};
 use crate::rows::kitti_object_row::KittiBox;
 
-/// Matches scans; its memory is used again.
+/// Matches scans; its memory is reused.
 #[derive(Debug, Default)]
 pub struct SoundMatching {
     candidates: Vec<Candidate>,
     components: Components,
-    // Of each detection the pair that it takes.
+    // For each detection the pair that it takes.
     taken_by: Vec<Option<Candidate>>,
     // Whether each annotation is taken.
     is_taken: Vec<bool>,
 }
 
 impl SoundMatching {
-    /// Adds what is found in the scan at this index.
+    /// Adds the matches of the scan at this index.
     pub fn add(&mut self, index: u32, scan: &ClassScan<'_>, question: &Question, events: &mut ScoreEvents) {
         let n_annotations = scan.n_annotations(question.difficulty);
         events.annotations.extend((n_annotations > 0).then_some((index, n_annotations)));
@@ -102,7 +102,7 @@ mod tests {
     use super::*;
     use crate::vocabulary::class::AnnotationClass::{Car, Van};
 
-    /// What detections of these scores find, as `(score, right, false)`.
+    /// Changes at the scores of the detections, as `(score, right, false)`.
     fn events(scan: &KittiScan) -> Vec<(f64, i32, i32)> {
         let mut events = ScoreEvents::default();
         let scan = ClassScan::of(scan, KittiClass::Car);

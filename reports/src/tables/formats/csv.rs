@@ -50,10 +50,10 @@ impl Format<TaskTable> for Csv {
 
     /// The table as CSV; rates as fractions of one, undefined values empty.
     ///
-    /// `…_low` and `…_high` are the ends of 95 % intervals, from as many blocks of scans as `n_blocks` says, which are what
-    /// `blocks` says; where `few_blocks` is true these are too few for anything to rest on the interval. The column `source`
-    /// says whether a row was measured or published in a paper, `origin` where its scans come from. A published row stands
-    /// beside our detector that does what the paper describes.
+    /// `…_low` and `…_high` are the ends of 95 % intervals, drawn from `n_blocks` blocks of scans of the kind `blocks`;
+    /// where `few_blocks` is true these are too few for anything to rest on the interval. The column `source` says whether a
+    /// row was measured or published in a paper, `origin` where its scans come from. A published row stands beside our
+    /// detector that does what the paper describes.
     fn text(&self, table: &TaskTable) -> String {
         let rows = table.rows.iter().flat_map(|row| {
             table.detectors.iter().enumerate().filter_map(move |(detector_idx, detector)| {
@@ -99,7 +99,7 @@ impl TaskRow {
         }
     }
 
-    /// With no more digits than the paper has.
+    /// A published row, with no more digits than the paper has.
     fn published(row: &PaperRow, score: &PaperScore) -> Self {
         Self {
             source: "published".to_owned(),

@@ -1,8 +1,8 @@
-//! What every format can do.
+//! Interface of all formats.
 
 /// A way to write `T` as text.
 pub trait Format<T: ?Sized> {
-    /// Name of the file for what is called `stem`, such as `gate.json` for `gate`.
+    /// Name of the file for `stem`, such as `gate.json` for `gate`.
     fn file_name(&self, stem: &str) -> String;
 
     /// The content of that file.

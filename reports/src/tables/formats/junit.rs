@@ -36,7 +36,7 @@ impl Format<Verdict> for JUnit {
             ("drift", drift_cases(verdict)),
             ("claims", verdict.claims.iter().map(of_claim).collect()),
         ];
-        // Claims are of few runs.
+        // Few runs have claims.
         for (name, cases) in suites.into_iter().filter(|it| it.0 != "claims" || !it.1.is_empty()) {
             let mut suite = TestSuite::new(name);
             suite.add_test_cases(cases);
@@ -82,7 +82,7 @@ fn speed_cases(verdict: &Verdict, doubt: Option<&str>) -> Vec<TestCase> {
     not_compared.chain(verdict.speeds.iter().map(|it| of_speed(it, doubt))).collect()
 }
 
-/// `doubt` is why nothing is sure about these scans, if nothing is.
+/// Test case of a gated number; `doubt` is why nothing is sure about these scans, if nothing is.
 fn of_metric(gated: &GatedMetric, doubt: Option<&str>) -> TestCase {
     let metric = &gated.metric;
     let tolerance = tolerance_text(metric, gated.tolerance);
@@ -115,7 +115,7 @@ fn of_speed(speed: &GatedMetric, doubt: Option<&str>) -> TestCase {
     case(&class, &about(&what, speed.on.as_deref()), status(speed.finding, &message, doubt))
 }
 
-/// `doubt` is why nothing is sure about these scans, if nothing is.
+/// Status of a test case; `doubt` is why nothing is sure about these scans, if nothing is.
 fn status(finding: Finding, message: &str, doubt: Option<&str>) -> TestCaseStatus {
     match finding {
         Finding::Pass => TestCaseStatus::success(),

@@ -108,7 +108,7 @@ fn left_text(line: &Line, cell: &Cell, notes: &Notes) -> String {
     }
 }
 
-/// A number, with invisible digits for those that others in the column have behind the decimal point.
+/// A number, filled up with invisible digits where others in the column have more behind the decimal point.
 fn decimal_text(line: &Line, cell: &Cell, fraction_width: usize, notes: &Notes) -> String {
     if cell.text.is_empty() {
         return String::new();

@@ -1,4 +1,4 @@
-//! Which formats there are of what.
+//! The formats of each kind of content.
 
 use crate::numbers::run_report::RunReport;
 use crate::tables::formats::csv::Csv;

@@ -13,12 +13,12 @@ const LINE_WIDTH: usize = 100;
 /// Aligned text, without colour.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Terminal {
-    /// Its width in characters; what does not fit is folded. Without it nothing is, and sentences are broken as for a page.
+    /// Its width in characters; wider tables are folded. Without it none is, and sentences are broken as for a page.
     pub width: Option<usize>,
 }
 
 impl Terminal {
-    /// As wide as its tables are.
+    /// A text as wide as its tables are.
     pub const UNFOLDED: Self = Self { width: None };
 
     /// Sentences, each from the beginning of a line on.
@@ -166,7 +166,7 @@ fn write_cells(text: &mut String, grid: &Grid, widths: &[Width], cells: Vec<Stri
                 line.push_str(GROUP_GAP);
             }
         }
-        // What is too wide begins in the cell before it.
+        // Text that is too wide begins in the cell before it.
         for _ in widths[column_idx].total..cell.chars().count() {
             if line.ends_with("  ") {
                 line.pop();

@@ -1,4 +1,4 @@
-//! What each part of a method is worth: the scores of the whole and of variants that lack a part.
+//! The worth of each part of a method: scores of the whole, and of variants that lack a part.
 
 use serde::{Deserialize, Serialize};
 
@@ -13,7 +13,7 @@ use crate::vocabulary::metric::{LatencyStatistic, Metric};
 use crate::vocabulary::origin::Origin;
 use crate::vocabulary::task::Task;
 
-/// What one variant reached on one data set, or on all together.
+/// The score of one variant on one data set, or on all together.
 #[derive(Debug, Clone, PartialEq)]
 pub struct AblationScore {
     /// How much it covers.
@@ -24,7 +24,7 @@ pub struct AblationScore {
     pub variant: String,
     /// Number of scans.
     pub n_scans: u64,
-    /// What was found, missed and false.
+    /// Found, missed and false objects.
     pub counts: Counts,
     /// How sure the F-rate is, where that is known.
     pub f_rate_within: Option<Interval>,

@@ -1,4 +1,4 @@
-//! The table of what each part of a method is worth.
+//! The table of the worth of each part of a method.
 
 use crate::files::fixed_decimals::fixed_decimals;
 use crate::numbers::run_report::RunReport;
@@ -10,12 +10,12 @@ use crate::tables::task_grids::{extent_cell, interval_cell, rate_cell, recall_ce
 use crate::tables::task_table::TaskTable;
 use crate::vocabulary::task::Task;
 
-/// Scores with what is to be said of them all.
+/// Scores of the variants, and the facts that they share.
 #[derive(Debug, Clone, PartialEq)]
 pub struct AblationTable {
     /// The method whose parts are left out.
     pub method: String,
-    /// What is asked of it.
+    /// The task.
     pub task: Task,
     /// When a detection matches an annotation, in words.
     pub matching_criterion: String,
@@ -82,7 +82,7 @@ impl AblationTable {
     }
 }
 
-/// What all variants have in common on a data set.
+/// The head line of a data set, with the cells that all variants share.
 fn head(score: &AblationScore) -> Line {
     let mut cells = vec![extent_cell(&score.extent, score.origin)];
     cells.extend([score.n_scans, score.counts.no()].map(|it| Cell::new(it.to_string())));

@@ -5,10 +5,10 @@ use crate::numbers::curve_pair::{ALIKE_FACTOR, Agreement, CurvePair, Sides};
 use crate::tables::grid::{Cell, Column, Grid, Line, LineKind};
 use crate::tables::sheet::{Part, Sheet, Tabular};
 
-/// One row a statistic, then from where on a bin counts.
+/// One row a statistic, and beneath it the thresholds of bins.
 #[derive(Debug, Clone, Copy)]
 pub struct AgreementTable<'a> {
-    /// What was measured on each side, whether it is simulated, and of how many scans.
+    /// The scans of each side, whether they are simulated, and their number.
     pub names: Sides<&'a str>,
     /// The statistics.
     pub curves: &'a [CurvePair],
@@ -75,7 +75,7 @@ fn numbers(curves: &CurvePair, agreement: &Agreement) -> [String; 7] {
     ]
 }
 
-/// From where on the bins of each statistic have a ratio, in words; those of the same threshold together.
+/// The thresholds from which on bins have a ratio, in words; statistics of the same threshold together.
 fn thresholds(curves: &[CurvePair]) -> String {
     let mut thresholds: Vec<(String, Vec<&str>)> = Vec::new();
     for pair in curves {
@@ -91,8 +91,8 @@ fn thresholds(curves: &[CurvePair]) -> String {
     in_words.collect::<Vec<_>>().join("; ")
 }
 
-/// The bins that both sides have something in, but one of them too little to be compared, with what they have;
-/// `None` if there are none.
+/// Bins with values on both sides, but with too few on one of them to be compared, with their numbers; `None` if there are
+/// none.
 fn left_out(curves: &[CurvePair]) -> Option<String> {
     let of_pair = |pair: &CurvePair| {
         let too_few = pair.bins.iter().filter(|bin| {
@@ -124,7 +124,7 @@ mod tests {
         tracks.statistic = "points_per_track";
         tracks.counted = "tracks";
         tracks.bins[1].measured.right.n = 3;
-        // Nothing on one side is not too little of it.
+        // No value on one side is not the same as too few.
         tracks.bins[2].measured.left.n = 0;
         assert_eq!(left_out(&[tracks]).as_deref(), Some("points_per_track 2-3 (10 against 3 tracks)"));
         assert_eq!(left_out(&[pair(&[(1.0, 1.0)])]), None);

@@ -7,9 +7,9 @@ use crate::tables::sheet::{Sheet, Tabular};
 /// Objects that were classified.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub struct Classified {
-    /// How many there are.
+    /// Number of objects.
     pub n: u64,
-    /// How many of them are classified as vehicles.
+    /// Number of these that are classified as vehicles.
     pub n_vehicle: u64,
 }
 

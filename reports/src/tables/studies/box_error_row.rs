@@ -34,7 +34,7 @@ row! {
     }
 }
 
-/// Which vehicle a box was fitted to.
+/// The vehicle that a box was fitted to.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct MatchedVehicle<'a> {
     /// The data set.
@@ -43,7 +43,7 @@ pub struct MatchedVehicle<'a> {
     pub is_simulated: bool,
     /// The scan.
     pub scan: &'a str,
-    /// What it is.
+    /// Its class.
     pub class: AnnotationClass,
     /// Its number within its drive.
     pub track: Option<u32>,

@@ -11,7 +11,7 @@ use crate::tables::sheet::{Part, Sheet, Tabular};
 pub struct BoxTable<'a> {
     /// The errors.
     pub lines: &'a [BoxErrorLine],
-    /// What has to be said beneath.
+    /// The notes beneath.
     pub notes: &'a [&'a str],
 }
 

@@ -6,12 +6,12 @@ use crate::tables::grid::{Cell, Column, Grid, Line, LineKind};
 use crate::tables::sheet::{Part, Sheet, Tabular};
 use crate::vocabulary::claim_verdict::ClaimVerdict;
 
-/// Judged claims, with what has to be said of them.
+/// Judged claims with their notes.
 #[derive(Debug, Clone, Copy)]
 pub struct ClaimsTable<'a> {
     /// The claims.
     pub claims: &'a [JudgedClaim],
-    /// What has to be said beneath.
+    /// The notes beneath.
     pub notes: &'a [String],
 }
 

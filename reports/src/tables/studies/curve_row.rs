@@ -27,7 +27,7 @@ row! {
 }
 
 impl CurveRow {
-    /// The rows of `curves`, one a bin; `names` says what was measured on each side, and whether it is simulated.
+    /// The rows of `curves`, one a bin; `names` are the scans of each side, and whether they are simulated.
     pub fn of_curves(curves: &CurvePair, names: Sides<&str>) -> Vec<Self> {
         let row = |bin_idx: usize| {
             let bin = &curves.bins[bin_idx];

@@ -1,4 +1,4 @@
-//! The table of what the readings of the cell fitness recommend, and what that costs.
+//! The table of the cell sizes that readings of the fitness recommend, and of what these cost.
 
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -26,10 +26,10 @@ const NOTES: [&str; 3] = [
     "Where false objects cannot be counted, the rate is the recall; very large cells may raise it by joining everything.",
 ];
 
-/// What is recommended on every curve, and over all data sets.
+/// Recommendations on every curve, and over all data sets.
 #[derive(Debug, Clone, Copy)]
 pub struct FitnessTable<'a> {
-    /// Reading by reading of every curve.
+    /// The verdicts on the readings of every curve.
     pub verdicts: &'a [FitnessVerdict],
 }
 
@@ -47,13 +47,13 @@ impl Tabular for FitnessTable<'_> {
     }
 }
 
-/// Those that are about one data set.
+/// The verdicts about one data set.
 fn of_datasets(verdicts: &[FitnessVerdict]) -> impl Iterator<Item = &FitnessVerdict> {
     verdicts.iter().filter(|it| !Extent::is_name_of_several(&it.dataset))
 }
 
-/// What it comes to, a sentence for each task: what the best variant of the formula loses against the best cell size, beside
-/// what the configured size does.
+/// The conclusion, a sentence for each task: the loss of the best variant of the formula against the best cell size, beside
+/// that of the configured size.
 pub fn fitness_sentences(verdicts: &[FitnessVerdict]) -> Vec<String> {
     let tasks: BTreeSet<(Task, &str)> = verdicts.iter().map(|it| (it.task, it.rate.as_str())).collect();
     let sentence = |(task, rate): (Task, &str)| {
@@ -98,7 +98,7 @@ fn grid(verdicts: &[FitnessVerdict]) -> Grid {
     Grid { columns, lines }
 }
 
-/// For every task and rate, what each reading costs on average.
+/// The mean cost of each reading, for every task and rate.
 fn summary_grid(verdicts: &[FitnessVerdict]) -> Grid {
     let names = ["task, rate", "reading"].map(Column::left);
     let numbers = ["data sets", "recommends", "at an end", "mean lost", "most lost", "mean rank"];
@@ -138,7 +138,7 @@ fn summary_line(subject: &str, reading: &str, verdicts: &[&FitnessVerdict]) -> L
     Line { kind: LineKind::Dataset, cells: cells.map(Cell::new).to_vec() }
 }
 
-/// What all readings of a curve have in common.
+/// The subject of a curve, which all its readings have in common.
 fn subject(verdict: &FitnessVerdict) -> String {
     let FitnessVerdict { dataset, origin, sensor, detector, others, task, rate, .. } = verdict;
     let origin = origin.in_brackets();

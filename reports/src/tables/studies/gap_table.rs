@@ -12,9 +12,9 @@ use crate::tables::sheet::{Part, Sheet, Tabular};
 /// One part for each range, one row a gap.
 #[derive(Debug, Clone, Copy)]
 pub struct GapTable<'a> {
-    /// Of every detector and range.
+    /// The curves of every detector and range.
     pub curves: &'a [GapCurve],
-    /// What *separated* means.
+    /// The meaning of *separated*.
     pub definition: &'a str,
 }
 

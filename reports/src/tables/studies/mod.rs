@@ -1,4 +1,4 @@
-//! Tables of studies: what each found, for people and as CSV.
+//! Tables of the findings of studies, for people and as CSV.
 
 pub mod ablation_score;
 pub mod ablation_table;

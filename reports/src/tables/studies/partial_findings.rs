@@ -1,4 +1,4 @@
-//! What was found of objects of which more and more is seen, in sentences.
+//! Findings about objects of which more and more is seen, in sentences.
 
 use std::collections::BTreeMap;
 
@@ -7,7 +7,7 @@ use crate::rows::partial_row::Predicted;
 use crate::run_folder::partial_entry::{PartialEntry, PartialSet};
 use crate::vocabulary::partial_class::PartialClass;
 
-/// Changes of the mean of recalls up to this are none.
+/// Changes of the mean of recalls up to this do not count.
 const SAME: f64 = 0.02;
 
 /// Whether more points help `method`, as a heading.
@@ -38,7 +38,7 @@ pub(crate) fn judged_objects(curves: &[PartialCurve], data: &str) -> BTreeMap<Pa
     })
 }
 
-/// The most frequent mistake of `method` when all is seen, which objects took no part, and which nobody could know.
+/// The most frequent mistake of `method` when all is seen, objects that were not judged, and classes not learned.
 pub fn partial_findings(partial: &PartialEntry, curves: &[PartialCurve], method: &str) -> Vec<String> {
     let confusions = curves.iter().filter(|it| it.method == method).filter_map(confusion);
     confusions.chain(partial.sets.iter().flat_map(|it| about_objects(it, curves))).collect()

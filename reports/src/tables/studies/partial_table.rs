@@ -10,20 +10,20 @@ use crate::tables::sheet::{Part, Sheet, Tabular};
 use crate::uncertainty::bootstrap::N_RESAMPLES;
 use crate::vocabulary::partial_class::PartialClass;
 
-/// The mean of recalls of every method at every step; of one method the confusion, and what of the paper holds.
+/// The mean of recalls of every method at every step; the confusion of one method, and the claims of the paper that hold.
 #[derive(Debug, Clone, Copy)]
 pub struct PartialTable<'a> {
-    /// What was done, in words: the data sets, and whether they are simulated.
+    /// The data sets, and whether they are simulated, in words.
     pub title: &'a str,
-    /// Of every method, data set and direction.
+    /// The curves of every method, data set and direction.
     pub curves: &'a [PartialCurve],
-    /// The method of which there is more.
+    /// The method that is shown in more detail.
     pub method: &'a str,
-    /// What was found, in sentences.
+    /// The findings, in sentences.
     pub found: &'a [String],
 }
 
-/// Steps of which the confusion and intervals are shown.
+/// Steps whose confusion and intervals are shown.
 const SHOWN_AT: [u32; 3] = [3, 5, 10];
 
 impl Tabular for PartialTable<'_> {

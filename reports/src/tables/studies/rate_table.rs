@@ -9,28 +9,28 @@ use crate::vocabulary::task::Task;
 /// One row for each part, and one column for each detector.
 #[derive(Debug, Clone, PartialEq)]
 pub struct RateTable {
-    /// What it shows.
+    /// Its title.
     pub title: String,
-    /// What is measured, such as the F-rate.
+    /// The rate, such as the F-rate.
     pub rate: &'static str,
     /// The detectors.
     pub detectors: Vec<String>,
     /// The parts.
     pub rows: Vec<RateRow>,
-    /// What has to be said beneath.
+    /// The notes beneath.
     pub notes: Vec<String>,
 }
 
-/// What detectors reach on one part of the objects.
+/// Rates of detectors on one part of the objects.
 #[derive(Debug, Clone, PartialEq)]
 pub struct RateRow {
-    /// Which part.
+    /// Name of the part.
     pub name: String,
     /// Annotations that count.
     pub no: u64,
     /// The rate of each detector, 0 to 1.
     pub rates: Vec<Option<f64>>,
-    /// Whether it is a row of a paper, and not of ours.
+    /// Whether it is a row of a paper, and not one of ours.
     pub is_printed: bool,
 }
 

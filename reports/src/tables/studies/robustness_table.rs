@@ -1,4 +1,4 @@
-//! What detectors find under one condition after another: a table, and `robustness.csv` with one row for every condition,
+//! Scores of detectors under one condition after another: a table, and `robustness.csv` with one row for every condition,
 //! task and detector.
 
 use serde::{Deserialize, Serialize};
@@ -17,7 +17,7 @@ const TITLE: &str = "F-rate in % under each condition (all simulated).";
 /// A condition, and the data set of a run that was driven under it.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct NamedCondition {
-    /// What conditions of this kind have in common, such as `sensor`.
+    /// The group of the condition, such as `sensor`.
     pub group: String,
     /// Its name, such as `vlp-16`.
     pub condition: String,
@@ -27,17 +27,17 @@ pub struct NamedCondition {
     pub dataset: String,
 }
 
-/// What was counted under one condition.
+/// The scores under one condition.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ConditionScores {
     /// The condition.
     pub named: NamedCondition,
-    /// What each detector reached in each of [`Task::ALL`], in the order of the columns.
+    /// The scores of each detector in each of [`Task::ALL`], in the order of the columns.
     pub detectors: Vec<(String, [Score; 2])>,
 }
 
 impl ConditionScores {
-    /// What was reached: detector by detector, and task by task.
+    /// The scores: detector by detector, and task by task.
     pub fn scores(&self) -> impl Iterator<Item = (&str, Task, &Score)> {
         self.detectors.iter().flat_map(|(detector, scores)| {
             Task::ALL.into_iter().zip(scores).map(move |(task, it)| (detector.as_str(), task, it))
@@ -45,8 +45,8 @@ impl ConditionScores {
     }
 }
 
-/// What was found under each of `conditions`, from the tables of both tasks of a run over their data sets. What a table has
-/// not is left out.
+/// The scores under each of `conditions`, from the tables of both tasks of a run over their data sets. Conditions without a
+/// row in a table are left out.
 pub fn condition_scores(conditions: &[NamedCondition], tables: &[TaskTable]) -> Vec<ConditionScores> {
     let [Some(first), Some(second)] = Task::ALL.map(|task| tables.iter().find(|it| it.task == task)) else {
         return Vec::new();
@@ -67,12 +67,12 @@ fn row_of<'a>(table: &'a TaskTable, dataset: &str) -> Option<&'a MeasuredRow> {
     })
 }
 
-/// One row a condition, the F-rates of both tasks for each detector, and beneath it how sure they are.
+/// One row a condition, the F-rates of both tasks for each detector, and beneath it their intervals.
 #[derive(Debug, Clone, Copy)]
 pub struct RobustnessTable<'a> {
-    /// What was found.
+    /// The scores.
     pub conditions: &'a [ConditionScores],
-    /// What has to be said beneath.
+    /// The notes beneath.
     pub notes: &'a [String],
 }
 
@@ -116,7 +116,7 @@ fn line(group: &str, scores: &ConditionScores) -> Line {
     Line { kind: LineKind::Dataset, cells: texts.into_iter().chain(rates).map(Cell::new).collect() }
 }
 
-/// How sure the rates of the line above are; `None` if that is known of none.
+/// Intervals of the rates of the line above; `None` if none is known.
 fn interval_line(scores: &ConditionScores) -> Option<Line> {
     let intervals: Vec<_> = scores.scores().map(|(.., it)| it.intervals.f_rate).collect();
     intervals.iter().any(Option::is_some).then(|| {

@@ -1,4 +1,4 @@
-//! What each step away from the letter of the papers gives, data set by data set.
+//! F-rates after each step away from the letter of the papers, data set by data set.
 
 use crate::files::fixed_decimals::percent_or_dash;
 use crate::reproduction::steps::Basis;

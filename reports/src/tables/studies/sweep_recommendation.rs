@@ -1,4 +1,4 @@
-//! What a sweep recommends, and how far that can be trusted.
+//! Recommendations of a sweep, and how far they can be trusted.
 
 use crate::files::fixed_decimals::fixed_decimals;
 use crate::numbers::sweep_curve::{CurvePoint, SweepCurve};
@@ -12,7 +12,7 @@ pub type Paired<'a> = &'a dyn Fn([&SweepScore; 2]) -> Option<[f64; 2]>;
 /// there is none.
 pub type HeldOut<'a> = &'a dyn Fn(&[&SweepScore]) -> Option<f64>;
 
-/// What is said of every sweep that has a best value.
+/// The caveat of every sweep that has a best value.
 const OPTIMISTIC: &str = "The best value of a sweep looks better on the scans that chose it than it is: run it on other scans before you \
                           rely on its rate.";
 
@@ -76,7 +76,7 @@ fn recommendation(
     ))
 }
 
-/// Which values the scans cannot distinguish from the best one.
+/// The values that the scans cannot distinguish from the best one.
 fn about_others(curve: &SweepCurve<'_>, best: &CurvePoint<'_, SweepScore>, paired: Paired<'_>) -> String {
     if let Some(shortfall) = best.reached.blocks.shortfall() {
         let (head, rest) = shortfall.split_at(shortfall.chars().next().map_or(0, char::len_utf8));

@@ -51,7 +51,7 @@ fn line(sweep: &SweepScores, curve: &SweepCurve<'_>) -> Line {
     line
 }
 
-/// Of a curve, what it is about, these `counts`, and its best and its worst point, as `shown`.
+/// The line of a curve: its subject, these `counts`, and its best and its worst point, as `shown`.
 pub(super) fn best_line<T: Reached>(
     curve: &Curve<'_, T>,
     counts: &[u64],

@@ -20,18 +20,18 @@ const MOST_LOSSES: usize = 5;
 /// Gains that are named.
 const MOST_GAINS: usize = 3;
 
-/// The least that is to be said of a verdict.
+/// A verdict in few lines.
 #[derive(Debug, Clone, Copy)]
 pub struct Brief<'a> {
     /// The verdict.
     pub verdict: &'a Verdict,
     /// The directories of the run and of its baseline.
     pub sides: [&'a str; 2],
-    /// What it is for.
+    /// Its purpose.
     pub purpose: Purpose<'a>,
 }
 
-/// What a verdict is for.
+/// The purpose of a verdict.
 #[derive(Debug, Clone, Copy)]
 pub enum Purpose<'a> {
     /// To let a run pass or not.
@@ -84,7 +84,7 @@ impl Brief<'_> {
             let n_lost = counts.get(&ChangeKind::Lost).copied().unwrap_or(0);
             (n_lost, counts.values().sum::<usize>())
         };
-        // The first of those that have as many.
+        // The first among equals.
         let most = self.verdict.drift.iter().rev().max_by_key(|it| count(it))?;
         let (what, n) = match count(most) {
             (0, n) => ("Most results changed", counted(n, "object")),
@@ -105,7 +105,7 @@ fn named((what, most): (&str, usize), changes: Vec<Change>) -> Vec<String> {
     [head].into_iter().chain(named).collect()
 }
 
-/// A number that changed, or is missing.
+/// A number that changed.
 struct Change {
     finding: Finding,
     is_loss: bool,
@@ -114,7 +114,7 @@ struct Change {
     text: String,
 }
 
-/// All numbers that changed. Times change in every run: only those beyond their tolerance are listed. What has no number is
+/// All numbers that changed. Times change in every run: only those beyond their tolerance are listed. Missing numbers are
 /// reported elsewhere.
 fn changes(verdict: &Verdict) -> Vec<Change> {
     let of_number = |gated: &GatedMetric| {
@@ -166,7 +166,7 @@ fn text_of_time(gated: &GatedMetric, it: &PairedDifference) -> String {
     )
 }
 
-/// So that rates and metres can be compared. Where nothing is tolerated, everything is much.
+/// A difference in tolerances, to compare rates with metres. Where nothing is tolerated, every difference is large.
 fn in_tolerances(difference: f64, tolerance: f64) -> f64 {
     difference.abs() / tolerance.max(f64::MIN_POSITIVE)
 }

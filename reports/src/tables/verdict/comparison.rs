@@ -34,27 +34,27 @@ use crate::vocabulary::metric::Metric;
 use crate::vocabulary::slice::Slice;
 use crate::vocabulary::study::Study;
 
-/// What was compared with what, and the result.
+/// A comparison of two runs or two detectors, and its result.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Comparison {
-    /// In words.
+    /// Both sides, in words.
     pub title: String,
     /// Task by task, detector by detector, slice by slice.
     pub differences: Vec<NamedDifference>,
-    /// What is judged one by one, for people.
+    /// Name of a unit that is judged by itself, for people.
     pub unit: &'static str,
     /// Number of scans on which results of a detector changed, and of changes of each kind; `None` where two detectors are
-    /// compared, of which that is expected.
+    /// compared, whose results are expected to differ.
     pub drift: Option<(usize, BTreeMap<ChangeKind, usize>)>,
-    /// What is suspect of data sets and detectors, and what users overruled, a sentence each.
+    /// Doubts about data sets and detectors, and those that users overruled, a sentence each.
     pub doubts: Vec<String>,
-    /// What changed in the configuration of detectors, a text each.
+    /// Changes in the configuration of detectors, a text each.
     pub configuration_changes: Vec<String>,
     /// Detectors that only the later run has.
     pub new_detectors: Vec<String>,
 }
 
-/// A difference with what it is of.
+/// A difference with its subject.
 #[derive(Debug, Clone, PartialEq)]
 pub struct NamedDifference {
     /// Name of the task, or of the protocol, and of the data sets where recorded and simulated ones are compared apart.
@@ -70,9 +70,9 @@ pub struct NamedDifference {
 /// Which slices are compared.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum ComparedSlices {
-    /// Everything as one.
+    /// Everything together.
     All,
-    /// Every slice as well.
+    /// Every slice, too.
     Each,
 }
 
@@ -132,7 +132,7 @@ pub fn compare_detectors(
     })
 }
 
-/// Those of partly seen objects.
+/// The differences of partly seen objects, with their names.
 fn named(differences: Vec<PartialDifference>) -> impl Iterator<Item = NamedDifference> {
     differences.into_iter().map(|it| {
         let PartialDifference { on, detector, slice, difference, .. } = it;
@@ -195,7 +195,7 @@ fn about_data(run: &RunArchive, tally: &Tally) -> String {
     together.to_owned()
 }
 
-/// Numbers of single classes are shown where slices are.
+/// The differences under a protocol; those of single classes only where slices are compared, or there are no others.
 fn of_protocol(
     protocol: &str,
     detector: &str,

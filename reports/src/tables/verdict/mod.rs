@@ -1,4 +1,4 @@
-//! What verdicts say, before a format lays it out.
+//! The content of verdicts, before a format lays it out.
 
 pub(crate) mod wording;
 pub(crate) mod tolerated;

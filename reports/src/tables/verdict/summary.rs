@@ -1,4 +1,4 @@
-//! A verdict for people: what it comes to, and what is behind it.
+//! A verdict for people: its conclusion, and the numbers behind it.
 
 use std::collections::BTreeMap;
 
@@ -20,13 +20,13 @@ use crate::verdicts::verdict::{Conclusion, Verdict};
 use crate::vocabulary::metric::{Metric, SPEED_REFERENCE};
 use crate::vocabulary::slice::Slice;
 
-/// Columns of a grid of metrics that say whose they are: task and detector.
+/// Columns of a grid of metrics that name their subjects: task and detector.
 const N_TITLE_COLUMNS: usize = 2;
 /// Missing numbers that are named where a few lines have to do.
 const MOST_MISSING: usize = 2;
 
 impl Tabular for Verdict {
-    /// What it comes to, the numbers of which something is to be said, and every object that changed.
+    /// The conclusion, the numbers with something to say, and every object that changed.
     fn sheet(&self) -> Sheet {
         let shown: Vec<&GatedMetric> = self.metrics.iter().filter(|it| is_shown(it)).collect();
         let of_metrics = (!shown.is_empty()).then(|| metric_grid(&shown, self));
@@ -34,7 +34,7 @@ impl Tabular for Verdict {
     }
 }
 
-/// The same for a narrow screen: a table for each task and detector.
+/// A verdict for a narrow screen: a table for each task and detector.
 #[derive(Debug, Clone, Copy)]
 pub struct InFull<'a>(pub &'a Verdict);
 
@@ -75,18 +75,18 @@ fn changes_of_kinds(drift: &[ScanDrift]) -> Vec<(String, Vec<String>)> {
     }
     let counts = n_of_kinds(drift.iter().flat_map(|it| &it.changes));
     let entry = |(kind, mut changes): (ChangeKind, Vec<(&ScanDrift, &Change)>)| {
-        // Stable: as many points as another, and it stays behind it.
+        // Stable: an object stays behind another with as many points.
         changes.sort_by_key(|(_, it)| std::cmp::Reverse(it.n_points));
         let item =
             |(of_scan, it): (&ScanDrift, &Change)| format!("{}: {}", of_scan.subject.in_words(), it.text);
-        // Of what is not shown, only the number is said.
+        // Of changes that are not shown, only the number is said.
         let n_named = if kind == ChangeKind::NotShown { 0 } else { changes.len() };
         (kind.counted(counts[&kind]), changes.into_iter().take(n_named).map(item).collect())
     };
     of_kinds.into_iter().map(entry).collect()
 }
 
-/// What it comes to, and all that could not be judged.
+/// The conclusion, and all that could not be judged.
 fn first_lines(verdict: &Verdict) -> Vec<String> {
     let mut lines = vec![headline(verdict), counts(verdict)];
     lines.extend(missing(verdict));
@@ -97,7 +97,7 @@ fn first_lines(verdict: &Verdict) -> Vec<String> {
     lines
 }
 
-/// What was judged by what, and what could not be: a few lines, however much that is.
+/// The numbers that were judged, the tolerances, and all that could not be judged: a few lines, however much that is.
 pub(crate) fn about_judging(verdict: &Verdict) -> Vec<String> {
     let mut missing = missing(verdict);
     if missing.len() > MOST_MISSING {
@@ -148,7 +148,7 @@ fn missing(verdict: &Verdict) -> Vec<String> {
     missing.collect()
 }
 
-/// What it comes to, as short as can be.
+/// The conclusion, as short as can be.
 pub(crate) fn headline(verdict: &Verdict) -> String {
     let conclusion = verdict.conclusion();
     match conclusion {
@@ -168,7 +168,7 @@ fn changed_scans(verdict: &Verdict) -> String {
     }
 }
 
-/// How many numbers were judged, and what came of them.
+/// Number of judged numbers, and their findings.
 pub(crate) fn counts(verdict: &Verdict) -> String {
     let n_gated = verdict.numbers().count();
     let about_results = if verdict.drift.is_empty() {
@@ -206,7 +206,7 @@ pub(crate) fn doubt(verdict: &Verdict) -> Option<String> {
     verdict.blocks.are_too_few().then(|| counted.trim_end_matches(" of scans").to_owned())
 }
 
-/// A finding, with why it is none.
+/// A finding; where it is inconclusive, with the reason.
 fn finding_text(finding: Finding, verdict: &Verdict) -> String {
     match doubt(verdict) {
         Some(doubt) if finding == Finding::Inconclusive => format!("{}: {doubt}", finding.in_words()),
@@ -214,7 +214,7 @@ fn finding_text(finding: Finding, verdict: &Verdict) -> String {
     }
 }
 
-/// Numbers are many: but for the F-rates those are shown of which something is to be said.
+/// Whether a number is shown. There are many: but for the F-rates only those with something to say are.
 fn is_shown(gated: &GatedMetric) -> bool {
     let is_changed = gated.difference.as_ref().is_ok_and(|it| it.difference() != 0.0);
     let is_headline = gated.metric == Metric::FRate || is_changed;

@@ -1,11 +1,11 @@
-//! What tolerances come to, in a sentence.
+//! Tolerances in a sentence.
 
 use crate::files::fixed_decimals::fixed_decimals;
 use crate::verdicts::tolerances::{Origin, Rule, Tolerances};
 use crate::vocabulary::metric::Metric;
 use crate::vocabulary::slice::Slice;
 
-/// Where tolerances come from; of the built-in ones, which are in no file, what they are.
+/// Where tolerances come from; for the built-in ones, which are in no file, their sizes.
 pub(crate) fn about_tolerances(tolerances: &Tolerances) -> String {
     match &tolerances.origin {
         Origin::File(path) => format!("Tolerances: {}.", path.display()),
@@ -16,7 +16,7 @@ pub(crate) fn about_tolerances(tolerances: &Tolerances) -> String {
     }
 }
 
-/// What is tolerated, each size with the kinds of numbers that it is of.
+/// The sizes of tolerances, each with its kind of numbers.
 fn sizes(tolerances: &Tolerances) -> Vec<String> {
     let mut sizes: Vec<String> = Vec::new();
     for rule in &tolerances.quality {
@@ -31,7 +31,7 @@ fn sizes(tolerances: &Tolerances) -> Vec<String> {
     sizes.into_iter().chain(of_speed).collect()
 }
 
-/// What kind of number a metric of a rule is.
+/// The kind of numbers that a metric of a rule belongs to.
 fn kind(rule: &Rule, metric: &Metric) -> String {
     if matches!(metric, Metric::Partial(_)) {
         return metric.id();
@@ -48,7 +48,7 @@ fn kind(rule: &Rule, metric: &Metric) -> String {
     }
 }
 
-/// `unit` is that of the metric.
+/// The size that a rule tolerates; `unit` is that of the metric.
 fn size_text(rule: &Rule, unit: &str) -> String {
     let absolute = match unit {
         "ratio" => format!("{} points", fixed_decimals(100.0 * rule.absolute, 2)),

@@ -35,7 +35,7 @@ pub(crate) fn tolerance_text(metric: &Metric, tolerance: f64) -> String {
     difference_text(metric, tolerance).trim_start_matches('+').to_owned()
 }
 
-/// How a change is called: what is not worse than tolerated may be better, surely or not.
+/// Name of a change: a number that is not worse than tolerated may be better, surely or not.
 pub(crate) fn change_in_words(finding: Finding, difference: &PairedDifference) -> &'static str {
     match finding {
         Finding::Pass if difference.is_surely_better() => "better",
@@ -53,7 +53,7 @@ pub(crate) fn interval_text(difference: &PairedDifference) -> String {
     )
 }
 
-/// The same as a cell of a table, with a sign where nothing rests on it.
+/// The interval as a cell of a table, with a sign where nothing rests on it.
 pub(crate) fn interval_cell(difference: &PairedDifference) -> Cell {
     let text = interval_text(difference);
     difference.interval.map_or_else(|| Cell::new(text.clone()), |it| Cell::interval(text.clone(), it.blocks))
@@ -65,7 +65,7 @@ pub(crate) fn least_effect_text(difference: &PairedDifference) -> String {
     difference.least_effect.map_or_else(|| "–".to_owned(), |it| tolerance_text(metric, it))
 }
 
-/// What changed in the configuration of detectors, as one sentence; `None` if nothing did.
+/// Changes in the configuration of detectors, as one sentence; `None` if there are none.
 pub(crate) fn about_configuration(changes: &[String]) -> Option<String> {
     let n_more = changes.len().saturating_sub(MOST_CHANGES);
     let more = if n_more > 0 { format!("; and {n_more} more") } else { String::new() };
@@ -86,8 +86,8 @@ pub(crate) fn metric_text(metric: &Metric) -> String {
 /// The title of the column of [`least_effect_text`].
 pub(crate) const DETECTABLE: &str = "detectable";
 
-/// What comparisons have to say of their numbers: `difference` says what is subtracted from what; intervals are drawn from
-/// blocks of this kind.
+/// The notes on the numbers of a comparison: `difference` says what is subtracted from what; intervals are drawn from blocks
+/// of this kind.
 pub(crate) fn about_differences(difference: &str, kind: BlockKind) -> String {
     format!(
         "difference: {difference}. 95 %: its interval, by {} Both sides use the same resamples. {DETECTABLE}: smallest \

@@ -59,7 +59,7 @@ fn a_number_is_expected_where_slice_and_task_are_named() {
     assert!(!names(1, "all", Task::Vehicles) && !names(1, "class/car", Task::Vehicles));
 }
 
-/// What the file is refused for where its first `from` is `to`.
+/// The error of the file with its first `from` replaced by `to`.
 fn problem(from: &str, to: &str) -> String {
     assert!(TOML.contains(from));
     read(&TOML.replacen(from, to, 1)).unwrap_err()

@@ -25,16 +25,16 @@ use crate::vocabulary::named::named;
 /// How often the whole 95 % interval of a difference lies on the worse side of the truth.
 const FALSE_ALARM_RISK: f64 = 0.025;
 
-/// What came of a gate.
+/// The result of a gate.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Verdict {
-    /// What the numbers are about: the id of the data set, or [`OVERALL`] of several.
+    /// The data set of the numbers by its id, or [`OVERALL`] of several.
     pub dataset: String,
     /// The detectors of the baseline.
     pub detectors: Vec<String>,
     /// Number of scans.
     pub n_scans: usize,
-    /// What these are called: partial clouds of objects stand for scans in results of `partial`.
+    /// Their name: partial clouds of objects stand for scans in results of `partial`.
     pub unit: &'static str,
     /// The blocks of scans that intervals were drawn from.
     pub blocks: BlockCount,
@@ -44,17 +44,17 @@ pub struct Verdict {
     pub speeds: Vec<GatedMetric>,
     /// Why times were not compared, where a rule is about them.
     pub speed_not_compared: Option<String>,
-    /// Claims of the papers of which something else comes.
+    /// Claims of the papers whose verdict changed.
     pub claims: Vec<ChangedClaim>,
     /// Scans on which results of a detector changed.
     pub drift: Vec<ScanDrift>,
-    /// What is suspect of the later run's data sets and detectors, and what its user overruled, a sentence each.
+    /// Doubts about the later run's data sets and detectors, and those that its user overruled, a sentence each.
     pub doubts: Vec<String>,
-    /// What changed in the configuration of detectors, a text each.
+    /// Changes in the configuration of detectors, a text each.
     pub configuration_changes: Vec<String>,
     /// Detectors that only the later run has.
     pub new_detectors: Vec<String>,
-    /// What it was judged by.
+    /// The tolerances that it was judged by.
     pub tolerances: Tolerances,
 }
 
@@ -86,7 +86,7 @@ pub enum JudgeError {
 }
 
 impl Conclusion {
-    /// Where nothing is surely worse.
+    /// The conclusion where nothing is surely worse.
     pub fn without_loss(is_changed: bool, drift: DriftRule) -> Self {
         match drift {
             _ if !is_changed => Self::Same,
@@ -95,7 +95,7 @@ impl Conclusion {
         }
     }
 
-    /// What people read.
+    /// The words that people read.
     pub fn in_words(self) -> &'static str {
         match self {
             Self::Regression => "FAILED: worse",
@@ -116,7 +116,7 @@ impl Conclusion {
 }
 
 impl Verdict {
-    /// What it comes to.
+    /// The conclusion.
     pub fn conclusion(&self) -> Conclusion {
         if self.n(Finding::Regression) > 0 || self.claims.iter().any(ChangedClaim::is_worse) {
             Conclusion::Regression
@@ -127,7 +127,7 @@ impl Verdict {
         }
     }
 
-    /// What the numbers are about, for people.
+    /// The data sets of the numbers, for people.
     pub fn dataset_in_words(&self) -> &str {
         match self.dataset.as_str() {
             OVERALL if self.metrics.iter().any(|it| it.on.is_some()) => {
@@ -154,8 +154,8 @@ impl Verdict {
         self.metrics.iter().chain(&self.speeds)
     }
 
-    /// How many numbers are worse than tolerated, whether or not that may be chance. Times are others in every run: only
-    /// where it is none.
+    /// Number of numbers and claims that are worse than tolerated, whether or not that may be chance. Times differ in every
+    /// run: they count only where it is none.
     pub fn n_worse(&self) -> usize {
         let is_worse = |it: &&GatedMetric| match it.finding {
             Finding::Regression => true,
@@ -165,8 +165,8 @@ impl Verdict {
         self.numbers().filter(is_worse).count() + self.claims.iter().filter(|it| it.is_worse()).count()
     }
 
-    /// How many numbers changed, so that they may look surely worse by chance; none if nothing can be sure. What is the same
-    /// on every scan is no matter of chance.
+    /// Number of numbers that changed, so that they may look surely worse by chance; 0 if nothing can be sure. A number that
+    /// is the same on every scan is no matter of chance.
     pub fn n_at_risk(&self) -> usize {
         if self.blocks.decide_nothing() {
             return 0;
@@ -175,8 +175,8 @@ impl Verdict {
         self.numbers().filter(|it| it.difference.as_ref().is_ok_and(|it| varies(it.interval))).count()
     }
 
-    /// How many of these would be called worse by chance on average, were each in truth just as much worse as tolerated: the
-    /// most that can be expected.
+    /// How many of these would be called worse by chance on average, if each were in truth just as much worse as tolerated:
+    /// the most that can be expected.
     pub fn most_false_alarms(&self) -> f64 {
         FALSE_ALARM_RISK * self.n_at_risk() as f64
     }
@@ -208,8 +208,8 @@ impl Verdict {
 ///
 /// # Errors
 ///
-/// [`JudgeError`] if the runs cannot be compared, or with all that is wrong with `tolerances`: what their file has, rules
-/// that name what neither run has, rules that decide about nothing.
+/// [`JudgeError`] if the runs cannot be compared, or with all problems of `tolerances`: those of their file, names that
+/// neither run has, rules that decide about nothing.
 pub fn judge(
     baseline: &RunArchive,
     run: &RunArchive,
@@ -261,7 +261,7 @@ fn verdict(baseline: &RunArchive, run: &RunArchive, tolerances: &Tolerances) -> 
     })
 }
 
-/// What the numbers of `run` are about.
+/// The data sets of the numbers of `run`.
 fn dataset(run: &RunArchive, tally: &Tally) -> String {
     match (&run.manifest.partial, &tally.pools()[..]) {
         (Some(_), _) => run.manifest.selected().into_iter().map(|it| it.0).collect::<Vec<_>>().join(", "),
@@ -270,7 +270,7 @@ fn dataset(run: &RunArchive, tally: &Tally) -> String {
     }
 }
 
-/// The detectors of `run`, and its number of scans, whatever looked at them.
+/// The detectors of `run`, and the number of scans that any of them looked at.
 fn judged(run: &RunArchive, tally: &Tally) -> (Vec<String>, usize) {
     let mut scans: BTreeSet<(String, &str, u32)> = BTreeSet::new();
     scans.extend(run.scans.iter().map(|it| (it.dataset.clone(), it.sequence.as_str(), it.scan)));

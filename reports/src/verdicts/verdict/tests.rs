@@ -111,12 +111,12 @@ fn rule(metrics: &[&str], slices: &[&str]) -> Rule {
     Rule { line: None, metrics, parts, tasks: None, detectors: None, absolute: 0.02, relative: 0.0 }
 }
 
-/// About `task` alone.
+/// A rule about `task` alone.
 fn rule_of(task: &str, metrics: &[&str]) -> Rule {
     Rule { tasks: Some(texts(&[task])), ..rule(metrics, &["all"]) }
 }
 
-/// These rules, without times.
+/// Tolerances of these rules, without times.
 fn held_to(quality: Vec<Rule>) -> Tolerances {
     let (protocols, problems, drift) = (Vec::new(), Vec::new(), DriftRule::Fail);
     Tolerances {
@@ -134,7 +134,7 @@ fn tolerances() -> Tolerances {
     Tolerances { speed: Some(Rule::of_times(0.25)), ..held_to(vec![rule(&["recall"], &["all"])]) }
 }
 
-/// `run` beside the usual one.
+/// Judges `run` by the usual one.
 fn against_usual(run: &RunArchive) -> Result<Verdict, JudgeError> {
     judge(&USUAL.archive(), run, &tolerances())
 }
@@ -197,7 +197,7 @@ fn recorded_and_simulated_scans_are_judged_apart() {
         ]
     };
     assert_eq!(found(&baseline), numbers(Finding::Pass));
-    // Not hidden behind what is as it was.
+    // The worse numbers are not hidden behind the unchanged ones.
     assert_eq!(found(&worse), numbers(Finding::Regression));
 }
 
@@ -292,7 +292,7 @@ fn read_back(text: &str) -> Tolerances {
     Tolerances::read(&path).unwrap()
 }
 
-/// What changed is counted by scans, and what it comes to is up to the tolerances.
+/// Changed results are counted by scans, and the tolerances decide the conclusion.
 #[test]
 fn changed_results_fail_unless_they_are_allowed() {
     let run =

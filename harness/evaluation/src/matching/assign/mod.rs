@@ -1,4 +1,4 @@
-//! From one scan's annotations and detections to what became of each.
+//! Outcome of each annotation and each detection of one scan.
 
 use detector::Detections;
 use reports::vocabulary::reason::{FalseReason, IgnoredAnnotation, IgnoredDetection, MissReason};
@@ -19,16 +19,16 @@ use crate::matching::point_overlap::PointOverlap;
 pub struct MatchingParams {
     /// When a pair may be matched.
     pub criterion: Criterion,
-    /// What counts.
+    /// Which annotations count.
     pub eligibility: EligibilityParams,
 }
 
-/// Matches `detections` with the annotations of `scan` for `task`, and says of each what became of it and why.
+/// Matches `detections` with the annotations of `scan` for `task`, and gives the outcome of each, with its reason.
 ///
 /// `annotated` decides whether a detection that matches nothing is known to be false. Every point of a detection must
 /// be a point of the scan; it may be one of several detections. The order of the detections does not matter: between
-/// equally good pairs `detection_ranks` decide. Detections that are left over may find tall annotations by the same
-/// criterion; both are then ignored.
+/// equally good pairs `detection_ranks` decide. Unmatched detections may find tall annotations by the same criterion;
+/// both are then ignored.
 ///
 /// Paper: HG section 5; ignored regions as in the KITTI evaluation.
 pub fn assign(
@@ -65,7 +65,7 @@ pub fn assign(
     }
 }
 
-/// The best of those `pairs` that are `admitted`, where detections come in the order of their ranks.
+/// Best match of those `pairs` that are `admitted`; ties are broken by the ranks of the detections.
 fn match_by_rank(
     pairs: &[AdmissiblePair],
     ranks: &[usize],
@@ -88,7 +88,7 @@ fn found_tall_of(AdmissiblePair { annotation_idx, detection_idx, cost }: Admissi
     FoundTall { annotation_idx, detection_idx, cost }
 }
 
-/// Everything that outcomes follow from once the pairs are chosen.
+/// Everything that determines the outcomes once the pairs are chosen.
 struct Scene<'a> {
     scan: &'a LabeledScan,
     detections: &'a Detections,
@@ -141,7 +141,7 @@ impl Scene<'_> {
         }
     }
 
-    /// Whether more of a detection, but for the `n_shared` points of an annotation, is of other annotations than not.
+    /// Whether more than half of a detection, without the `n_shared` points of an annotation, belongs to other annotations.
     fn has_mostly_others(&self, detection_idx: usize, n_shared: usize) -> bool {
         let of_annotations = self.overlap.of_detection(detection_idx).iter();
         let n_annotated: usize = of_annotations.map(|&(_, n_shared)| n_shared).sum();
@@ -404,7 +404,7 @@ mod tests {
         check(&shared, Task::Vehicles, &["0 at 0.00"], &["0 at 0.00", "false: fragment"]);
         let turned = street(&[(Car, 0..40)], &[(Vehicle, 0..20), (Vehicle, 0..40)]);
         check(&turned, Task::Vehicles, &["1 at 0.00"], &["false: fragment", "0 at 0.00"]);
-        // The same third twice is not two thirds.
+        // Two detections of one third do not add up to two thirds.
         let twice = street(&[(Car, 0..60)], &[(Vehicle, 0..20), (Vehicle, 0..20)]);
         check(&twice, Task::Vehicles, &["missed: partly found"], &["false: fragment", "false: fragment"]);
     }
@@ -427,7 +427,7 @@ mod tests {
         );
         let it = assign(&found.scan, &found.detections, Task::Objects, &EVERYTHING, &STANDARD);
         assert_eq!(it.found_tall, [FoundTall { annotation_idx: 0, detection_idx: 0, cost: 0.4 }]);
-        // Less than half of it would be on what is ignored, had it not found it.
+        // Less than half of it is on the ignored annotation: it is ignored only because it found it.
         let large = tall(&[(Object, 80..165)]);
         let params = MatchingParams { criterion: Criterion::CENTRE, ..STANDARD };
         assert_eq!(large.judge_by(Task::Objects, &EVERYTHING, params).1, ["ignored: on ignored annotation"]);

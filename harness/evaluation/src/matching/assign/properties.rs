@@ -1,4 +1,5 @@
-//! What holds of every scene, drawn at random: few positions, sizes and scores, so that much is shared and much is tied.
+//! Properties of every scene, drawn at random: few positions, sizes and scores, so that many points are shared and many
+//! pairs are tied.
 
 use std::collections::BTreeSet;
 
@@ -17,7 +18,7 @@ use AnnotationClass::{Car, Pedestrian, Pole, Tram, Tree};
 const N_POINTS: usize = 48;
 const EVERYTHING: AnnotatedClasses = AnnotatedClasses::EveryObject;
 
-/// A detection, and what makes it itself.
+/// A drawn detection.
 #[derive(Debug, Clone, PartialEq)]
 struct Drawn {
     point_indices: Vec<u32>,
@@ -92,7 +93,7 @@ fn any_criterion() -> impl Strategy<Value = Criterion> {
     prop::sample::select([&Criterion::ALL[..], &loose].concat())
 }
 
-/// Few points are enough, and not all is near.
+/// Two points are enough, and some positions are beyond the range.
 fn params(criterion: Criterion) -> MatchingParams {
     let eligibility = EligibilityParams { min_points: 2, max_range_m: 6.0, tall_above_ground_m: 3.1 };
     MatchingParams { criterion, eligibility }
@@ -107,12 +108,12 @@ fn rates(assignment: &Assignment) -> [Option<f64>; 3] {
     [scored.f_rate(), scored.precision(), scored.recall()]
 }
 
-/// What identifies a drawn detection: two of the same identity cannot be distinguished.
+/// Identity of a drawn detection: two with equal identities cannot be distinguished.
 fn identity(drawn: &Drawn) -> String {
     format!("{drawn:?}")
 }
 
-/// Everything that is said of a scene without naming a detection by its index.
+/// All outcomes of a scene, without indices of detections.
 fn said_without_indices(drawn: &[Drawn], it: &Assignment) -> (Vec<String>, Vec<String>, Vec<String>) {
     let annotation = |outcome: &AnnotationOutcome| match outcome {
         AnnotationOutcome::Matched { detection_idx, cost } => {
@@ -190,7 +191,7 @@ proptest! {
         criterion in any_criterion(),
         task in prop::sample::select(Task::ALL.to_vec()),
     ) {
-        // Each point belongs to one thing at most, and nothing stands where something else does.
+        // Each point belongs to at most one annotation, and no two annotations have the same position.
         let mut scan = scan;
         let mut is_taken = [false; N_POINTS];
         for annotation in &mut scan.annotations {
@@ -228,7 +229,7 @@ proptest! {
     }
 }
 
-/// Tiling the plane with empty boxes finds what is there and is false nearly everywhere.
+/// Tiling the plane with empty boxes finds the annotation and is false nearly everywhere.
 #[test]
 fn tiling_the_plane_is_paid_for() {
     let bounding_box =

@@ -1,8 +1,8 @@
-//! Our numbers beside those of KITTI's development kit, on made-up scans and on shared ones.
+//! Our numbers compared with those of KITTI's development kit, on made-up scans and on a simulated street.
 //!
 //! `.ci/agreement/kitti_vectors.py` made the numbers, with `evaluate_object.cpp` of the kit of 2019 and later (41 recalls,
-//! of which the readme averages 40; SHA-256 21738428…). The last case is of a simulated street, with what `hierarchical` finds
-//! there.
+//! of which the readme averages 40; SHA-256 21738428…). The last case is a simulated street with detections of
+//! `hierarchical`.
 
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
@@ -29,7 +29,7 @@ const CASES: [&str; 10] = [
     "simulated-street",
 ];
 
-/// What differs less is the same: the files have twelve digits.
+/// Numbers that differ by less are equal: the files have twelve digits.
 const NEGLIGIBLE: f64 = 1e-9;
 
 fn folder() -> PathBuf {
@@ -90,7 +90,7 @@ fn check(scans: &[KittiScan], kit: &Path) -> (usize, usize) {
         }
         let class = measure.question.class.name().to_owned();
         let Some(&expected) = kit.get(&(class.clone(), measure.id())) else {
-            // The kit leaves out classes of which nothing was found, and headings where one is not known.
+            // The kit leaves out classes without detections, and headings if one is unknown.
             assert!(value.is_none_or(|it| it == 0.0), "{class} {} is {value:?}", measure.id());
             continue;
         };
@@ -130,7 +130,7 @@ fn annotations_fed_back_reach_the_maximum_of_the_sound_reading_alone() {
         assert!(n_annotations > 0);
         match measure.reading {
             Reading::Sound => assert_eq!(value, Some(1.0), "{}", measure.id()),
-            // The kit looks precision up at no more recalls than there are annotations.
+            // The kit samples precision at no more recalls than there are annotations.
             Reading::Official if n_annotations < 41 && measure.recalls == Recalls::R40 => {
                 assert!(value.is_some_and(|it| it < 1.0), "{}: {value:?}", measure.id());
             }

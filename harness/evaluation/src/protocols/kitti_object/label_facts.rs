@@ -1,4 +1,4 @@
-//! From KITTI's labels, and what a detector found, to what the evaluation has to know.
+//! Facts for KITTI's evaluation, made of KITTI's labels and the results of a detector.
 
 use detector::{DetectedClass, DetectorOutput};
 use nalgebra::{Matrix3x4, Matrix4};
@@ -13,14 +13,13 @@ use scans::dataset::kitti::label::{CameraBox, KittiLabel, KittiObject};
 use super::overlaps::ImageRectangle;
 use super::scan_facts::scan_facts;
 
-/// The score of a detection without one: all are alike then.
+/// Score of a detection without one, so that all such detections rank equally.
 const SCORE_OF_NONE: f64 = 1.0;
 
-/// The rectangle of what the image does not show.
+/// Rectangle of an object outside the image.
 const UNSEEN_PX: ImageRectangle = [-1.0; 4];
 
-/// What the evaluation has to know of a scan with these labels in which these objects were found, in the order of their
-/// files.
+/// Facts of a scan with these labels and found objects, both in the order of their files.
 pub fn facts_of_results(labels: &[KittiLabel], found: &[KittiObject]) -> Vec<KittiFact> {
     let detection =
         |it: &KittiObject| KittiDetection { object: box_of(it), score: it.score.unwrap_or(SCORE_OF_NONE) };
@@ -28,11 +27,11 @@ pub fn facts_of_results(labels: &[KittiLabel], found: &[KittiObject]) -> Vec<Kit
     facts_of(labels, &detections)
 }
 
-/// The same of what a detector found, in the frame of the sensor: vehicles are cars, the unlikely ones, too, since scores
-/// rank them; nothing else is of a class that is evaluated. The rectangle in the image is that around the corners of the
-/// box.
+/// Facts of a scan with these labels and the output of a detector, in the frame of the sensor. Vehicles are cars, the
+/// unlikely ones, too, since scores rank them; other objects have no evaluated class. The rectangle in the image is that
+/// around the corners of the box.
 ///
-/// `None` if the frame is not that of a scan with a camera.
+/// `None` if the scan has no camera.
 pub fn facts_of_detections(
     labels: &[KittiLabel],
     output: &DetectorOutput,
@@ -49,7 +48,7 @@ pub fn facts_of_detections(
     Some(facts_of(labels, &detections))
 }
 
-/// How the camera lies to the sensor.
+/// Camera of the scan, relative to the sensor.
 struct Camera<'a> {
     velodyne: &'a Matrix4<f64>,
     image_from_velodyne: &'a Matrix3x4<f64>,
@@ -64,7 +63,7 @@ impl Camera<'_> {
         let object = KittiBox {
             class: AnnotationClass::Car,
             left_top_right_bottom_px: in_image.unwrap_or(UNSEEN_PX),
-            // Of the ray to the object, not of the camera.
+            // Relative to the ray to the object, not to the axis of the camera.
             alpha_rad: rotation_y_rad - bottom_center_m[0].atan2(bottom_center_m[2]),
             bottom_center_m,
             height_width_length_m,

@@ -1,4 +1,4 @@
-//! KITTI's object benchmark: from labels and results, as KITTI's files have them, to rows.
+//! KITTI's object benchmark: rows made of labels and results in the form of KITTI's files.
 
 pub mod overlaps;
 pub mod scan_facts;

@@ -1,4 +1,4 @@
-//! How far boxes of KITTI's overlap: in the image, on the ground plan of the camera, and in space.
+//! Overlaps of KITTI's boxes: in the image, on the ground plan of the camera, and in space.
 
 use reports::rows::kitti_object_row::{KittiBox, KittiOverlap};
 
@@ -7,17 +7,17 @@ use crate::matching::rectangle_overlap::{Rectangle, common_area_m2, over_union};
 /// A rectangle of the image: left, top, right and bottom in pixels.
 pub type ImageRectangle = [f64; 4];
 
-/// A box, ready to be laid on others.
+/// A box, prepared for computing overlaps.
 #[derive(Debug, Clone, Copy)]
 pub struct PlannedBox<'a> {
     object: &'a KittiBox,
     plan: Rectangle,
-    // Of the circle around the plan.
+    // Radius of the circle around the plan.
     radius_m: f64,
 }
 
 impl<'a> PlannedBox<'a> {
-    /// Of an object.
+    /// Prepares the box of an object.
     pub fn of(object: &'a KittiBox) -> Self {
         let plan = ground_plan(object);
         Self { object, plan, radius_m: plan.radius_m() }
@@ -34,7 +34,7 @@ pub fn overlap(first: &PlannedBox<'_>, second: &PlannedBox<'_>) -> KittiOverlap 
         return KittiOverlap { image, birds_eye: 0.0, volume: 0.0 };
     }
     let common_m2 = common_area_m2(&plans[0], &plans[1]);
-    // The axis points down: a box reaches from its bottom to its height less.
+    // The axis points down: the top of a box is its bottom minus its height.
     let bottom_m = first.bottom_center_m[1].min(second.bottom_center_m[1]);
     let top_m = |it: &KittiBox| it.bottom_center_m[1] - it.height_width_length_m[0];
     let common_m = (bottom_m - top_m(first).max(top_m(second))).max(0.0);
@@ -58,7 +58,7 @@ fn image_iou(first: &ImageRectangle, second: &ImageRectangle) -> f64 {
     if common_px2 > 0.0 { over_union(common_px2, area_px2(first), area_px2(second)) } else { 0.0 }
 }
 
-/// Edges belong to neither: rectangles of whole pixels are not a pixel larger, as some have it.
+/// Common area in square pixels. Edges have no width: unlike in some programs, rectangles are not a pixel larger.
 fn common_px2(first: &ImageRectangle, second: &ImageRectangle) -> f64 {
     let width_px = first[2].min(second[2]) - first[0].max(second[0]);
     let height_px = first[3].min(second[3]) - first[1].max(second[1]);
@@ -69,7 +69,8 @@ fn area_px2([left, top, right, bottom]: &ImageRectangle) -> f64 {
     (right - left) * (bottom - top)
 }
 
-/// On the plane of x, to the right, and z, ahead. A turn about the axis that points down goes from z to x.
+/// Ground plan in the plane of x, to the right, and z, ahead. A positive turn about the axis that points down goes from z to
+/// x.
 fn ground_plan(it: &KittiBox) -> Rectangle {
     let [x_m, _, z_m] = it.bottom_center_m;
     let [_, width_m, length_m] = it.height_width_length_m;
@@ -109,7 +110,7 @@ mod tests {
         check(CAR, [1.0, 1.0, 1.0]);
         // Half of the length, which lies along x: 4 of 12 square metres.
         check(KittiBox { bottom_center_m: [4.0, 1.7, 20.0], ..CAR }, [1.0, 1.0 / 3.0, 1.0 / 3.0]);
-        // A metre higher: the same ground plan, half of the height.
+        // A metre higher: equal ground plans, half of the height.
         check(KittiBox { bottom_center_m: [2.0, 0.7, 20.0], ..CAR }, [1.0, 1.0, 1.0 / 3.0]);
         // A quarter turn: a cross.
         check(KittiBox { rotation_y_rad: FRAC_PI_2, ..CAR }, [1.0, 1.0 / 3.0, 1.0 / 3.0]);
@@ -125,8 +126,7 @@ mod tests {
 
     #[test]
     fn a_turn_goes_from_ahead_to_the_right() {
-        // Turned by an eighth, a car heads ahead and to the left for minus, to the right and back for plus: what lies at (1,
-        // -1) from it.
+        // Turned by plus an eighth, a car heads to the right and back, and covers positions at (1, -1) from it.
         let turned = KittiBox { rotation_y_rad: FRAC_PI_2 / 2.0, ..CAR };
         let at = |x_m: f64, z_m: f64| KittiBox {
             bottom_center_m: [2.0 + x_m, 1.7, 20.0 + z_m],

@@ -1,4 +1,4 @@
-//! What KITTI's evaluation has to know about one scan.
+//! Facts of one scan for KITTI's evaluation.
 
 use reports::protocols::kitti_object::rules::{Demand, Difficulty, KittiClass, Plane};
 use reports::protocols::kitti_object::scan::{KittiAnnotation, KittiDetection};
@@ -6,8 +6,8 @@ use reports::rows::kitti_object_row::{KittiFact, KittiOverlap};
 
 use super::overlaps::{ImageRectangle, PlannedBox, overlap, share_in};
 
-/// The annotations, the detections, the pairs of them that overlap enough for some question, and the detections in regions
-/// without labels.
+/// Facts of a scan: the annotations, the detections, the pairs of them that overlap enough for some question, and the
+/// detections in regions without labels.
 ///
 /// Indices are those in the slices.
 pub fn scan_facts(
@@ -61,8 +61,8 @@ fn class_beside(annotation: &KittiAnnotation) -> Option<KittiClass> {
     KittiClass::ALL.into_iter().find(|it| it.annotation_class() == class || it.neighbor() == Some(class))
 }
 
-/// Whether a detection can be matched in the evaluation of a class: as one of it, or as one that is low in some difficulty,
-/// whatever it is.
+/// Whether a detection can be matched in the evaluation of a class: as one of the class, or as one of any class that is too
+/// low for some difficulty.
 fn can_find(detection: &KittiDetection, class: KittiClass) -> bool {
     let height_px = detection.object.height_px().abs();
     detection.object.class == class.annotation_class()

@@ -1,11 +1,12 @@
-//! Points that were classified as ground, and points that are ground, by each of the definitions in use.
+//! Counts of true and predicted ground points, by each of the definitions in use.
 
 use reports::rows::label_score_row::GroundCounts;
 use reports::vocabulary::ground_definition::GroundDefinition;
 
 use super::label_numbers::{class_number, is_ground};
 
-/// The points of a scan by `definition`; `labels`, heights above the sensor `z_m` and `predicted` have an entry for each.
+/// Counts the points of a scan by `definition`; `labels`, heights above the sensor `z_m` and `predicted` have an entry for
+/// each point.
 pub fn ground_counts(
     definition: GroundDefinition,
     labels: &[u32],

@@ -1,7 +1,7 @@
 //! How well each labelled instance was found, whatever its class.
 //!
-//! The association of an instance g is Σ |p ∩ g| · IoU(p, g) / |g| over all segments p that were found; their mean over
-//! instances is `S_assoc`. Sources: Nunes et al., *Unsupervised Class-Agnostic Instance Segmentation of 3D LiDAR Data for
+//! The association of an instance g is Σ |p ∩ g| · IoU(p, g) / |g| over all found segments p; the mean over all instances
+//! is `S_assoc`. Sources: Nunes et al., *Unsupervised Class-Agnostic Instance Segmentation of 3D LiDAR Data for
 //! Autonomous Vehicles*, 2022; Aygün et al., *4D Panoptic LiDAR Segmentation*, 2021; the program of Sautier et al., *UNIT*,
 //! 2025.
 
@@ -10,10 +10,10 @@ use reports::rows::label_score_row::InstanceScore;
 use super::label_numbers::{class_number, instance_number, is_left_out};
 use super::segment_overlaps::{SegmentOverlaps, SharedPoints, sum_in_order};
 
-/// The scores of all instances that `labels` have, by label. `found` has the segment of every point, 0 for none.
+/// Scores of all instances in `labels`, by label. `found` has the segment of every point, 0 for none.
 ///
-/// Points of left-out classes are in no segment. Points of other classes, ground and walls among them, count where a segment
-/// holds them.
+/// Points of left-out classes are in no segment. Points of other classes, ground and walls among them, count as part of the
+/// segments that hold them.
 pub fn instance_scores(labels: &[u32], found: &[u32]) -> Vec<InstanceScore> {
     let points = labels.iter().zip(found).filter(|(label, _)| !is_left_out(class_number(**label)));
     let overlaps = SegmentOverlaps::of(points.map(|(&label, &segment)| [instance_of(label), segment]));
@@ -23,14 +23,14 @@ pub fn instance_scores(labels: &[u32], found: &[u32]) -> Vec<InstanceScore> {
 /// The label of points of no instance.
 const NO_INSTANCE: u32 = 0;
 
-/// An overlap beyond this is a match: at most one segment has it with an instance.
+/// An overlap beyond this is a match: at most one segment overlaps so much with an instance.
 const LEAST_IOU: f64 = 0.5;
 
 fn instance_of(label: u32) -> u32 {
     if instance_number(label) == 0 { NO_INSTANCE } else { label }
 }
 
-/// The score of the instance that is first in all of `pairs`.
+/// Score of the instance that is the first segment of all `pairs`.
 fn score_of(overlaps: &SegmentOverlaps, pairs: &[SharedPoints]) -> InstanceScore {
     let label = pairs[0].first;
     let n_points = overlaps.n_of_first[&label];

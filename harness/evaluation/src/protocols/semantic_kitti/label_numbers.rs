@@ -1,4 +1,4 @@
-//! What the numbers of SemanticKITTI's labels mean to those who score by them.
+//! Meanings of the numbers of SemanticKITTI's labels for the scores.
 //!
 //! A label has the number of its class in the lower half and that of its instance in the upper. Source of the numbers:
 //! semantic-kitti-api, `config/semantic-kitti.yaml`.
@@ -16,8 +16,8 @@ pub fn instance_number(label: u32) -> u16 {
     (label >> 16) as u16
 }
 
-/// Whether points of this class are left out of all that is said of instances: unlabelled ones, outliers, other structures
-/// and objects, and numbers that the format does not have.
+/// Whether points of this class are left out of all scores of instances: unlabelled points, outliers, other structures and
+/// objects, and numbers that the format does not have.
 ///
 /// Source: number 0 of `learning_map`.
 pub fn is_left_out(number: u16) -> bool {
@@ -27,7 +27,7 @@ pub fn is_left_out(number: u16) -> bool {
     )
 }
 
-/// The class of things; `None` of what is none. What moves is what it is at rest.
+/// The class of things of a number; `None` if it is no thing. Moving things have the class of resting ones.
 ///
 /// Source: numbers 1 to 8 of `learning_map`.
 pub fn thing_class(number: u16) -> Option<ThingClass> {
@@ -49,8 +49,8 @@ pub fn is_surface(number: u16) -> bool {
     matches!(number, 40 | 44 | 48 | 49 | 60 | 72)
 }
 
-/// Vegetation below this is ground to Patchwork, in metres above the sensor: a quarter of the height of KITTI's sensor above
-/// the road.
+/// Vegetation below this is ground for Patchwork, in metres above the sensor: at a quarter of the height of KITTI's sensor
+/// above the road.
 const LOW_VEGETATION_M: f64 = -1.73 * 3.0 / 4.0;
 
 /// Whether a point `z_m` metres above the sensor is ground by its label; `None` if it is left out.
@@ -65,8 +65,8 @@ pub fn is_ground(definition: GroundDefinition, number: u16, z_m: f32) -> Option<
     }
 }
 
-/// Whether the clusters of true labels that `continuous_clustering` makes leave out points of this class: ground and
-/// unlabelled points.
+/// Whether `continuous_clustering` leaves points of this class out of its clusters of true labels: ground and unlabelled
+/// points.
 pub fn is_in_no_cluster(number: u16) -> bool {
     number == 0 || is_surface(number)
 }

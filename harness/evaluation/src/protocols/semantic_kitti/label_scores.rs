@@ -1,4 +1,4 @@
-//! From the labels of a scan, and what a detector made of it, to all scores of labels.
+//! All scores of labels, made of the labels of a scan and the results of a detector.
 
 use std::borrow::Cow;
 
@@ -25,22 +25,22 @@ pub fn scores_labels(protocol: Protocol) -> bool {
 pub struct LabeledPoints<'a> {
     cloud: &'a PointCloud,
     labels: Vec<u32>,
-    // The object of every point; empty if nobody asks.
+    // The object of every point; empty if no protocol needs it.
     objects: Vec<u32>,
 }
 
-/// What a detector says of the points of a scan.
+/// Results of a detector for the points of a scan.
 pub struct FoundPoints<'a> {
-    /// What it detected.
+    /// Its detections.
     pub detections: &'a Detections,
-    /// The label of every point, where it predicts labels: these then are its segments, and say their classes.
+    /// Label of every point, if it predicts labels: they are then its segments and classes.
     pub labels: Option<&'a [u32]>,
-    /// Whether each point is ground, where it predicts ground itself.
+    /// Whether each point is ground, if it predicts ground directly.
     pub ground: Option<Vec<bool>>,
 }
 
 impl FoundPoints<'_> {
-    /// Whether each point is predicted to be ground, directly or by its label; `None` without both predictions.
+    /// Whether each point is predicted to be ground, directly or by its label; `None` if neither is predicted.
     pub fn predicted_ground(&self) -> Option<Cow<'_, [bool]>> {
         let of_labels = |it: &[u32]| it.iter().map(|label| is_surface(class_number(*label))).collect();
         self.ground.as_deref().map(Cow::Borrowed).or_else(|| self.labels.map(of_labels).map(Cow::Owned))
@@ -55,8 +55,8 @@ impl<'a> LabeledPoints<'a> {
         Self { cloud, labels, objects }
     }
 
-    /// The scores of `found` under `protocol`: none under a protocol that does not score labels, and none of ground that is
-    /// not predicted.
+    /// Scores of `found` under `protocol`; empty if the protocol does not score labels, or scores ground and none is
+    /// predicted.
     pub fn scores(&self, protocol: Protocol, found: &FoundPoints<'_>) -> Vec<LabelScore> {
         match protocol.family() {
             ProtocolFamily::Instances => self.of_segments(found),
@@ -67,7 +67,7 @@ impl<'a> LabeledPoints<'a> {
         }
     }
 
-    /// The scores of the labels themselves under `protocol`, each fed back as what it asks for: the best there are.
+    /// Scores of the labels themselves under `protocol`, fed back as predictions: the best possible ones.
     pub fn echoed_scores(&self, protocol: Protocol) -> Vec<LabelScore> {
         match protocol.family() {
             ProtocolFamily::Instances => {
@@ -126,9 +126,9 @@ fn segments_of(labels: &[u32]) -> Vec<u32> {
     labels.iter().map(|label| if instance_number(*label) == 0 { 0 } else { *label }).collect()
 }
 
-/// For every point of a scan of `n_points` the number of the detection it belongs to, from 1; 0 of none.
+/// For every point of a scan of `n_points` the number of its detection, from 1; 0 for none.
 ///
-/// Of several it is the first by [`detection_ranks`], so that the order in which a detector reports them changes nothing.
+/// Of several detections the first by [`detection_ranks`] counts, so that their order in a report changes nothing.
 fn found_segments(detections: &Detections, n_points: usize) -> Vec<u32> {
     let ranks = detection_ranks(detections);
     let mut segments = vec![0; n_points];

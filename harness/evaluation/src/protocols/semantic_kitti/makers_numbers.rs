@@ -1,4 +1,4 @@
-//! Made-up scans and what the makers' own programs say of them: `made_up_scans.json`, which names programs and versions.
+//! Numbers of the makers' own programs for made-up scans: `made_up_scans.json`, which names programs and versions.
 
 use std::collections::HashMap;
 
@@ -13,7 +13,7 @@ use super::same_label_clusters::same_label_clusters;
 use super::segmentation_entropies::segmentation_entropies;
 use super::thing_counts::thing_counts;
 
-/// Numbers that a program gives otherwise than ours by more than this are different.
+/// Greatest allowed difference between numbers of a program and ours.
 const TOLERANCE: f64 = 1e-9;
 
 #[derive(Deserialize)]
@@ -29,7 +29,7 @@ struct MadeUpScan {
     found_labels: Vec<u32>,
     ground: Vec<u8>,
     positions_m: Vec<[f32; 3]>,
-    /// Of all instances, and of those with more than 50 points; nothing where the program divides by zero.
+    /// Of all instances, and of those with more than 50 points; `None` where the program divides by zero.
     s_assoc: [Option<f64>; 2],
     /// Quality and recall.
     unknown: [Option<f64>; 2],
@@ -45,7 +45,7 @@ struct MadeUpScan {
     groundgrid_ground: Option<[u64; 4]>,
 }
 
-/// The scans, of which there are some of every kind.
+/// All made-up scans.
 fn made_up_scans() -> Vec<MadeUpScan> {
     let scans: MadeUpScans = serde_json::from_str(include_str!("made_up_scans.json")).unwrap();
     assert_eq!(scans.scans.len(), 14);
@@ -95,7 +95,7 @@ fn things_are_counted_as_the_makers_count_them() {
     }
 }
 
-/// The same parting, with numbers in the order of first points.
+/// The clusters, renumbered in the order of their first points.
 fn renumbered(clusters: &[u32]) -> Vec<usize> {
     let mut numbers = HashMap::from([(0, 0)]);
     clusters

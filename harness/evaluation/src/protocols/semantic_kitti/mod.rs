@@ -1,5 +1,5 @@
-//! Scores of SemanticKITTI's labels: for every point its class and instance, whatever its range and however few points an
-//! object has.
+//! Scores of SemanticKITTI's labels, which have a class and an instance for every point, at any range and however few points
+//! an object has.
 
 pub mod label_numbers;
 pub mod segment_overlaps;

@@ -1,4 +1,4 @@
-//! The objects that over- and under-segmentation are measured on: points of like labels that hang together.
+//! The objects on which over- and under-segmentation are measured: connected points of equal labels.
 
 use std::collections::HashMap;
 
@@ -6,23 +6,23 @@ use detector::PointCloud;
 
 use super::label_numbers::{class_number, is_in_no_cluster};
 
-/// Points nearer than this hang together, in metres.
+/// Points nearer to each other than this are connected, in metres.
 const REACH_M: f32 = 1.0;
-/// Fewer points are no object.
+/// Fewest points of an object.
 const LEAST_POINTS: usize = 10;
-/// Nor are more.
+/// Most points of an object.
 const MOST_POINTS: usize = 300_000;
 
-/// Side of cells whose points all hang together: its diagonal in space is less than [`REACH_M`].
+/// Side of the cells, in metres. All points of a cell are connected: its diagonal in space is less than [`REACH_M`].
 const CELL_SIZE_M: f32 = 0.57;
-/// So many cells away a point may still be in reach.
+/// A point may be in reach up to so many cells away.
 const CELLS_IN_REACH: i32 = 2;
 
-/// For every point of `cloud` the object it belongs to, from 1 in the order of first points; 0 of none.
+/// Object of every point of `cloud`, numbered from 1 in the order of first points; 0 for none.
 ///
-/// Two points are of one object if they have the same label, class and instance, and a chain of such points less than 1 m
-/// apart leads from one to the other. Ground and unlabelled points are of none, nor are those of fewer than 10 points or
-/// more than 300,000.
+/// Two points belong to one object if they have the same label, class and instance, and a chain of such points less than 1 m
+/// apart connects them. Ground and unlabelled points belong to none. Groups of fewer than 10 points or more than 300,000 are
+/// no objects.
 ///
 /// Source: `generateEuclideanClusteringLabels` of `continuous_clustering`, with the values that the makers of TRAVEL gave.
 pub fn same_label_clusters(cloud: &PointCloud, labels: &[u32]) -> Vec<u32> {
@@ -64,7 +64,7 @@ pub fn same_label_clusters(cloud: &PointCloud, labels: &[u32]) -> Vec<u32> {
 /// A label, and a cell's position.
 type CellKey = (u32, [i32; 3]);
 
-/// The points that may belong to objects, by label and cell.
+/// Points that may belong to objects, by label and cell.
 struct LabelCells {
     // In the order of first points.
     keys: Vec<CellKey>,
@@ -92,14 +92,14 @@ impl LabelCells {
     }
 }
 
-/// One of every two opposite ways to a cell in reach.
+/// Offsets to the cells in reach, one of every two opposite ones.
 fn offsets_ahead() -> impl Iterator<Item = [i32; 3]> {
     let steps = || -CELLS_IN_REACH..=CELLS_IN_REACH;
     let all = steps().flat_map(move |x| steps().flat_map(move |y| steps().map(move |z| [x, y, z])));
     all.filter(|it| *it > [0, 0, 0])
 }
 
-/// The first cell of the object of cell `idx`, as far as it is known.
+/// The first cell of the object of cell `idx`, as far as cells are joined yet.
 fn root(root_of_cell: &mut [usize], mut idx: usize) -> usize {
     while root_of_cell[idx] != idx {
         root_of_cell[idx] = root_of_cell[root_of_cell[idx]];
@@ -115,7 +115,7 @@ fn are_in_reach(cloud: &PointCloud, some: &[u32], others: &[u32]) -> bool {
     })
 }
 
-/// In single precision and in this order, as the maker's program has it.
+/// Squared distance in square metres; in single precision and in this order, as in the maker's program.
 fn squared_distance_m2(a: [f32; 3], b: [f32; 3]) -> f32 {
     let [x, y, z] = [0, 1, 2].map(|axis| (a[axis] - b[axis]) * (a[axis] - b[axis]));
     x + y + z
@@ -135,7 +135,7 @@ mod tests {
         same_label_clusters(&positions_m.into_iter().collect(), &labels)
     }
 
-    /// Compares the objects of the rows, each of which is one.
+    /// Compares the objects of the rows with `expected`, one for each row.
     #[track_caller]
     fn check(rows: &[([f32; 3], usize, u32)], expected: &[u32]) {
         let expected =
@@ -164,7 +164,7 @@ mod tests {
         check(&[([0.0; 3], 50, 40), ([0.0, 0.5, 0.0], 50, 0), ([0.0, 0.6, 0.0], 50, 1)], &[0, 0, 1]);
     }
 
-    /// The same, pair by pair.
+    /// The objects by comparing all pairs of points.
     fn slow_clusters(cloud: &PointCloud, labels: &[u32]) -> Vec<u32> {
         let n = labels.len();
         let mut objects = vec![0; n];

@@ -1,8 +1,8 @@
-//! How many points two ways of parting a scan have in common.
+//! Numbers of points that the segments of two segmentations of a scan share.
 
 use std::collections::BTreeMap;
 
-/// Two segments and the points they share.
+/// Two segments and the number of points that they share.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct SharedPoints {
     /// Number of the first segment.
@@ -25,7 +25,7 @@ pub struct SegmentOverlaps {
 }
 
 impl SegmentOverlaps {
-    /// Of points that each lie in a segment of the first kind and in one of the second.
+    /// Counts points, each given by its segment of the first kind and its segment of the second.
     pub fn of(points: impl Iterator<Item = [u32; 2]>) -> Self {
         let mut points: Vec<[u32; 2]> = points.collect();
         points.sort_unstable();
@@ -39,19 +39,19 @@ impl SegmentOverlaps {
         overlaps
     }
 
-    /// The pairs, in lists of those with the same first segment, ascending.
+    /// The pairs, in one list for each first segment, ascending.
     pub fn by_first(&self) -> impl Iterator<Item = &[SharedPoints]> {
         self.shared.chunk_by(|a, b| a.first == b.first)
     }
 
-    /// The share of the points of either segment that both have.
+    /// Intersection over union of the points of the two segments.
     pub fn iou(&self, pair: &SharedPoints) -> f64 {
         let n_either = self.n_of_first[&pair.first] + self.n_of_second[&pair.second] - pair.n_points;
         pair.n_points as f64 / n_either as f64
     }
 }
 
-/// The sum, the same to the bit in whatever order the terms come: that of segments is not to show.
+/// The sum, equal to the bit for every order of the terms: the order of segments must not change it.
 pub fn sum_in_order(mut terms: Vec<f64>) -> f64 {
     terms.sort_by(f64::total_cmp);
     terms.iter().sum()

@@ -1,14 +1,14 @@
-//! How far objects are torn apart and run together, as TRAVEL and `continuous_clustering` measure it.
+//! Over- and under-segmentation of objects, as TRAVEL and `continuous_clustering` measure it.
 //!
-//! Unlike the entropies of other tables these have a term for points of no segment and of no object, are of the objects that
-//! [`same_label_clusters`](super::same_label_clusters) makes, and are summed over a scan. Sources: Oh et al., *TRAVEL*,
+//! Unlike the entropies of other tables, these have a term for points of no segment and of no object, use the objects of
+//! [`same_label_clusters`](super::same_label_clusters), and are summed over a scan. Sources: Oh et al., *TRAVEL*,
 //! 2022, equations for OSE and USE; `evaluateClusters` of `continuous_clustering`.
 
 use reports::rows::label_score_row::SegmentationEntropies;
 
 use super::segment_overlaps::{SegmentOverlaps, SharedPoints, sum_in_order};
 
-/// The entropies of a scan: `objects` has the object of every point and `found` the segment, 0 for none.
+/// Entropies of a scan: `objects` has the object of every point and `found` its segment, 0 for none.
 pub fn segmentation_entropies(objects: &[u32], found: &[u32]) -> SegmentationEntropies {
     let points = || objects.iter().zip(found);
     let by_object = SegmentOverlaps::of(points().map(|(&object, &segment)| [object, segment]));
@@ -24,7 +24,7 @@ pub fn segmentation_entropies(objects: &[u32], found: &[u32]) -> SegmentationEnt
     }
 }
 
-/// −Σ p ln p of the shares that `parts` have of all their points.
+/// −Σ p ln p of the shares p of `parts` in all their points.
 fn entropy_nats(parts: &[SharedPoints]) -> f64 {
     let n_all: u64 = parts.iter().map(|it| it.n_points).sum();
     // Not minus the product: a share of 1 would give a negative zero.

@@ -1,7 +1,7 @@
 //! Panoptic quality of things: segments with classes.
 //!
-//! Kirillov et al., *Panoptic Segmentation*, 2019, as `PanopticEval` of semantic-kitti-api counts it: a label is a segment,
-//! those of instance 0 too, and segments with few points are neither missed nor false.
+//! Kirillov et al., *Panoptic Segmentation*, 2019, as `PanopticEval` of semantic-kitti-api counts it: every label is a
+//! segment, also with instance 0, and segments with few points are neither missed nor false.
 
 use reports::rows::label_score_row::ThingCounts;
 use reports::vocabulary::thing_class::ThingClass;
@@ -9,17 +9,17 @@ use reports::vocabulary::thing_class::ThingClass;
 use super::label_numbers::{class_number, is_left_out, thing_class};
 use super::segment_overlaps::{SegmentOverlaps, sum_in_order};
 
-/// Points that a segment has to have to be missed or false: the value that the benchmark is run with.
+/// Fewest points of a missed or false segment: the value of the benchmark.
 pub const LEAST_POINTS: u64 = 50;
 
-/// An overlap beyond this is a match: at most one segment has it with another.
+/// An overlap beyond this is a match: at most one segment overlaps so much with another.
 const LEAST_IOU: f64 = 0.5;
 
 /// Stands for points of other classes. No thing has this label.
 const OTHER: u32 = 0;
 
-/// The counts of each of [`ThingClass::ALL`]. `labels` and `found` have for every point its label; points whose true class
-/// is left out are in no segment.
+/// Counts for each of [`ThingClass::ALL`]. `labels` and `found` have the label of every point; points whose true class is
+/// left out are in no segment.
 pub fn thing_counts(labels: &[u32], found: &[u32]) -> [ThingCounts; ThingClass::ALL.len()] {
     ThingClass::ALL.map(|class| {
         let of_class =

@@ -1,4 +1,4 @@
-//! What a configuration may hold, as a JSON schema: completion and checks for editors.
+//! JSON schema of a configuration: completion and checks for editors.
 
 use std::collections::BTreeMap;
 
@@ -19,8 +19,8 @@ use super::override_file::CLASSES;
 use super::run_config::shipped;
 use crate::run::foreign_detector::VehicleRule;
 
-/// The schema (JSON Schema 2020-12) of a file that overrides parameters. As when such a file is read, the type of a
-/// parameter is that of the value that ships.
+/// The schema (JSON Schema 2020-12) of a file that overrides parameters. The type of a parameter is that of its shipped
+/// value, as when such a file is read.
 pub fn config_schema() -> Json {
     let mut schema = Parameters::shipped().schema_of_table("", &shipped());
     schema["$schema"] = json!("https://json-schema.org/draft/2020-12/schema");
@@ -42,7 +42,7 @@ pub fn config_schema() -> Json {
     schema
 }
 
-/// A program, or results of one.
+/// Schema of a foreign detector: a program, or results of one.
 fn schema_of_detector() -> Json {
     let limit = |default: std::time::Duration, of: &str| {
         json!({
@@ -75,7 +75,7 @@ fn schema_of_detector() -> Json {
     })
 }
 
-/// What is known of parameters, by their full names.
+/// Meanings and bounds of parameters, by their full names.
 struct Parameters {
     meanings: BTreeMap<String, String>,
     bounds: BTreeMap<String, Bounds>,
@@ -91,7 +91,8 @@ impl Parameters {
         all
     }
 
-    /// Adds what stands behind the values of a file, whose names begin with `outer`, and their bounds.
+    /// Adds the meanings of the parameters of a file, which are comments after the values, and their bounds. Full names
+    /// begin with `outer`.
     fn add(&mut self, outer: &str, text: &str, bounds: &[Bounds]) {
         let mut within = String::new();
         for line in text.lines() {
@@ -106,7 +107,7 @@ impl Parameters {
         self.bounds.extend(bounds.iter().map(|it| (format!("{outer}{}", it.name), *it)));
     }
 
-    /// `parents` are the tables around it, each with a dot.
+    /// `parents` are the names of the tables around it, each followed by a dot.
     fn schema_of_table(&self, parents: &str, table: &Table) -> Json {
         let properties: serde_json::Map<String, Json> = table
             .iter()
@@ -138,7 +139,7 @@ impl Parameters {
     }
 }
 
-/// An integer is good where a float is.
+/// The JSON type of values like `value`. An integer is also a valid float.
 fn json_type(value: &Value) -> &'static str {
     match value {
         Value::String(_) | Value::Datetime(_) => "string",

@@ -14,10 +14,10 @@ use crate::run::kept_names::kept;
 /// The table of detectors that are not built in.
 pub const DETECTOR_TABLE: &str = "detector";
 
-/// What a table of a detector may hold.
+/// Keys that a table of a detector may have.
 pub(super) const KEYS: [&str; 7] =
     ["command", "results", "parameters", "start_limit_s", "time_limit_s", "threads", "vehicles"];
-/// Names that mean something else.
+/// Names of built-in detectors.
 pub const TAKEN_NAMES: [&str; 9] = [
     "hierarchical",
     "kd-tree-trained",
@@ -29,17 +29,17 @@ pub const TAKEN_NAMES: [&str; 9] = [
     "simple-grid",
     "nothing",
 ];
-/// How long a detector may take until it can be asked, unless the file says otherwise.
+/// Default time limit until a detector can be asked.
 pub(super) const START_LIMIT: Duration = Duration::from_secs(30);
-/// How long it may take for a scan.
+/// Default time limit for a scan.
 pub(super) const TIME_LIMIT: Duration = Duration::from_secs(10);
 /// Longest time limit, in seconds.
 pub(super) const LONGEST_LIMIT_S: f64 = 3600.0;
 /// Most threads.
 pub(super) const MOST_THREADS: i64 = 1024;
 
-/// The detectors that the file at `path` defines in its table `written`, and the parameters of those that have any;
-/// `position_of` gives the position of a key in the file.
+/// The detectors that the file at `path` defines in its table `written`, and a table of parameters for each detector that
+/// has any; `position_of` gives the position of a key in the file.
 pub(super) fn foreign_detectors(
     path: &Path,
     position_of: &dyn Fn(&[String]) -> ConfigPosition,
@@ -62,7 +62,7 @@ pub(super) fn foreign_detectors(
     Ok((detectors, parameters))
 }
 
-/// A table within a file, and how it is reached.
+/// A value within a file, and the keys that lead to it.
 struct DetectorTable<'a> {
     folder: &'a Path,
     position_of: &'a dyn Fn(&[String]) -> ConfigPosition,
@@ -106,7 +106,7 @@ impl DetectorTable<'_> {
         Ok(ForeignDetector { name: kept(name), folder: self.folder.to_owned(), work, vehicles })
     }
 
-    /// A path as the file means it, from its own folder.
+    /// A path, relative to the folder of the file.
     fn path(&self, written: Value) -> Result<PathBuf, ConfigError> {
         match written {
             Value::String(path) if path.is_empty() => {
@@ -191,11 +191,11 @@ impl DetectorTable<'_> {
     }
 }
 
-/// Makes sure that a detector may be called so. Errors are the rest of a sentence about the name.
+/// Checks that `name` is allowed for a detector. Errors are the rest of a sentence about the name.
 ///
 /// # Errors
 ///
-/// If it is no name, or that of a built-in detector.
+/// If it is no valid name, or the name of a built-in detector.
 pub fn check_name(name: &str) -> Result<(), String> {
     let is_of_name = |it: char| it.is_ascii_alphanumeric() || it == '-' || it == '_';
     if name.len() > 40

@@ -1,4 +1,4 @@
-//! What can be wrong with a configuration.
+//! Errors of a configuration.
 
 use std::fmt;
 use std::path::PathBuf;
@@ -11,7 +11,7 @@ pub enum ConfigError {
     Io {
         /// The file.
         path: PathBuf,
-        /// What it said.
+        /// Its error.
         source: std::io::Error,
     },
     /// The file is not text.
@@ -22,28 +22,28 @@ pub enum ConfigError {
         /// The first bad byte, counted from 0.
         byte_offset: usize,
     },
-    /// What was given is not TOML.
+    /// The text is not TOML.
     #[error("{position}: {problem}")]
     Syntax {
-        /// Where.
+        /// Position of the error.
         position: ConfigPosition,
-        /// What is wrong there.
+        /// Description of the error.
         problem: String,
     },
-    /// A parameter that nothing reads.
+    /// A parameter that does not exist.
     #[error("{position}: unknown parameter {key}; {remedy}")]
     Unknown {
-        /// Where.
+        /// Position of the error.
         position: ConfigPosition,
-        /// The parameter, in a file with the tables it is in.
+        /// The parameter, in a file with its tables.
         key: String,
-        /// The parameters there are in its table, or those that may be meant.
+        /// The parameters of its table, or those that may be meant.
         remedy: String,
     },
     /// A short name that several parameters have.
     #[error("{position}: {name} is ambiguous; write one of {}", meanings.join(", "))]
     Ambiguous {
-        /// Where.
+        /// Position of the error.
         position: ConfigPosition,
         /// The name.
         name: String,
@@ -53,7 +53,7 @@ pub enum ConfigError {
     /// A parameter that was given two values on the command line.
     #[error("{position}: {key} is set twice")]
     Twice {
-        /// Where the second one is.
+        /// Position of the second value.
         position: ConfigPosition,
         /// The full name of the parameter.
         key: String,
@@ -61,23 +61,23 @@ pub enum ConfigError {
     /// A parameter of the wrong type.
     #[error("{position}: {key} is of type {found}, but must be {expected}")]
     WrongType {
-        /// Where.
+        /// Position of the error.
         position: ConfigPosition,
-        /// The parameter with the tables it is in.
+        /// The parameter with its tables.
         key: String,
         /// The type of its value.
         found: &'static str,
         /// The type it should have.
         expected: &'static str,
     },
-    /// A value that cannot be worked with.
+    /// A value that cannot be used.
     #[error("{position}: {key}{problem}")]
     Value {
-        /// Where.
+        /// Position of the error.
         position: ConfigPosition,
-        /// The parameter with the tables it is in.
+        /// The parameter with its tables.
         key: String,
-        /// What is wrong with it, as a continuation.
+        /// The problem, as a continuation of the name.
         problem: String,
     },
 }

@@ -9,7 +9,7 @@ use crate::matching::assign::MatchingParams;
 use crate::matching::criterion::Criterion;
 use crate::matching::eligibility::EligibilityParams;
 
-/// How detections are judged when nothing else is said; the same for every detector.
+/// Default parameters of the matching, for every detector.
 pub(super) const MATCHING_TOML: &str = r#"
 criterion = "points"
 min_iou = 0.5
@@ -30,7 +30,7 @@ struct MatchingTable {
     tall_above_ground_m: f64,
 }
 
-/// Which values make sense.
+/// Bounds of reasonable values.
 pub(super) const MATCHING_BOUNDS: &[Bounds] = &[
     Bounds::new("min_iou", 0.01, 1.0),
     Bounds::new("max_centre_distance_m", 0.01, 100.0),
@@ -38,7 +38,7 @@ pub(super) const MATCHING_BOUNDS: &[Bounds] = &[
     Bounds::new("tall_above_ground_m", 0.1, 1000.0),
 ];
 
-/// The parameters in a complete TOML document.
+/// Reads the parameters of a complete TOML document.
 pub(super) fn matching_from(text: &str) -> Result<MatchingParams, ParamsError> {
     let table: MatchingTable = toml::from_str(text)?;
     check_bounds(&toml::from_str(text)?, MATCHING_BOUNDS)?;

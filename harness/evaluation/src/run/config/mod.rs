@@ -1,4 +1,4 @@
-//! The parameters of a run: those that ship, overridden by a file, and then by options of the command line.
+//! The parameters of a run: the shipped ones, overridden by a file, and then by options of the command line.
 
 pub mod error;
 mod matching_table;

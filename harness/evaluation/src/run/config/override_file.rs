@@ -1,4 +1,4 @@
-//! A TOML document that overrides parameters, and where in it something is wrong.
+//! A TOML document that overrides parameters, and the positions of errors in it.
 
 use std::path::Path;
 
@@ -12,18 +12,18 @@ use super::parameter_tree::set;
 use super::value_problem::ValueProblem;
 use crate::run::foreign_detector::ForeignDetector;
 
-/// The table of names of classes, which are no parameters.
+/// The table of class names, which are no parameters.
 pub(super) const CLASSES: &str = "classes";
 
-/// What a document says besides values of parameters.
+/// Contents of a document besides values of parameters.
 pub(super) struct Applied {
-    /// Whether there is a density curve among the values.
+    /// Whether the values include a density curve.
     pub(super) gives_density_curve: bool,
-    /// What names of classes in labels stand for.
+    /// Meanings of class names in labels.
     pub(super) classes: ClassTable,
     /// Detectors that are not built in.
     pub(super) foreign: Vec<ForeignDetector>,
-    /// Their parameters, a table for each that has any.
+    /// Their parameters, a table for each detector that has any.
     pub(super) foreign_parameters: Table,
 }
 
@@ -34,7 +34,7 @@ pub(super) struct OverrideFile<'a> {
 }
 
 impl OverrideFile<'_> {
-    /// Puts the values of the document into `table`, and returns what it says besides.
+    /// Puts the values of the document into `table`. Returns its other contents.
     pub(super) fn apply(&self, table: &mut Table) -> Result<Applied, ConfigError> {
         let mut values = self.parse()?;
         let classes = values.remove(CLASSES).map_or(Ok(ClassTable::default()), |it| self.classes_in(it))?;
@@ -71,7 +71,7 @@ impl OverrideFile<'_> {
         Ok(classes)
     }
 
-    /// Says where in the document the value stands that makes a problem.
+    /// The error for a problem, with the position of the value in the document.
     pub(super) fn value_error(&self, problem: ValueProblem) -> ConfigError {
         let ValueProblem { keys, problem } = problem;
         ConfigError::Value { position: self.position_of(&keys), key: keys.join("."), problem }
@@ -84,7 +84,7 @@ impl OverrideFile<'_> {
         })
     }
 
-    /// Where the key with these parents stands.
+    /// Position of the last of `keys`, nested from the outermost table in, or of the last one that is there.
     fn position_of(&self, keys: &[String]) -> ConfigPosition {
         let document = DeTable::parse(self.text).expect("the document was parsed before");
         let mut table = document.get_ref();

@@ -9,7 +9,7 @@ use super::error::{ConfigError, ConfigPosition};
 use super::parameter_tree::{parameters, set};
 use super::value_problem::ValueProblem;
 
-/// One parameter and the value it is to have.
+/// One parameter and its new value.
 #[derive(Debug, Clone, PartialEq)]
 pub struct OverrideOption {
     written: String,
@@ -41,7 +41,7 @@ impl FromStr for OverrideOption {
     }
 }
 
-/// As it was written.
+/// The option as it was written.
 impl fmt::Display for OverrideOption {
     fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
         formatter.write_str(&self.written)
@@ -53,21 +53,21 @@ fn is_word(text: &str) -> bool {
     text.starts_with(char::is_alphabetic) && text.chars().all(is_of_word)
 }
 
-/// With a separator, so that a number that is misspelt stays one.
+/// Whether it is a path: it must have a separator, so that a misspelt number is not taken for one.
 fn is_path(text: &str) -> bool {
     let is_of_path = |it: char| it.is_alphanumeric() || "-_./~ ".contains(it);
     let begins = text.starts_with(['/', '.', '~']) || text.starts_with(char::is_alphabetic);
     begins && text.contains('/') && text.chars().all(is_of_path)
 }
 
-/// Options with the full names of their parameters, no two of the same.
+/// Options with the full names of their parameters, at most one for each parameter.
 pub(super) struct OverrideOptions<'a> {
     options: Vec<(Vec<String>, &'a OverrideOption)>,
 }
 
 impl<'a> OverrideOptions<'a> {
-    /// Finds the parameters of `options` among those of `all`: by their full names, or by the ends of them that no other
-    /// parameter of the tables `own` has.
+    /// Finds the parameters of `options` in `all`: by their full names, or by ends of names that are unique among the
+    /// parameters of the tables `own`.
     pub(super) fn resolve(
         options: &'a [OverrideOption],
         all: &Table,
@@ -97,7 +97,7 @@ impl<'a> OverrideOptions<'a> {
         Ok(())
     }
 
-    /// Says which of the options makes a problem: where it is with a parameter that none of them names, all together do.
+    /// The error for a problem, with the option that causes it; with all options if none of them names the parameter.
     pub(super) fn value_error(&self, problem: ValueProblem) -> ConfigError {
         let ValueProblem { keys, problem } = problem;
         let guilty = self.options.iter().find(|(of_option, _)| *of_option == keys);
@@ -114,7 +114,7 @@ impl OverrideOption {
         ConfigPosition::Options(vec![self.written.clone()])
     }
 
-    /// The full name of the parameter: its own, or the one that ends so among those of the tables `own`.
+    /// The full name of the parameter: the name itself, or the only full name in the tables `own` that ends with it.
     pub(super) fn keys(&self, known: &[Vec<String>], own: &[&str]) -> Result<Vec<String>, ConfigError> {
         let parts: Vec<&str> = self.name.split('.').collect();
         if let Some(keys) = known.iter().find(|keys| **keys == parts) {
@@ -139,7 +139,7 @@ impl OverrideOption {
         }
     }
 
-    /// What may be meant by a name that no parameter has.
+    /// Advice for a name that no parameter has.
     fn remedy(&self, known: &[Vec<String>], own: &[&str]) -> String {
         let full: Vec<String> = known.iter().map(|keys| keys.join(".")).collect();
         let within = format!(".{}.", self.name);
@@ -163,7 +163,7 @@ impl OverrideOption {
             } else {
                 ""
             };
-            // A longer list is not read through.
+            // A longer list would not be read.
             if listed.len() > 20 {
                 return format!("`scanbench params` lists the {} of these detectors{hint}", listed.len());
             }
@@ -173,14 +173,14 @@ impl OverrideOption {
     }
 }
 
-/// Whether a parameter stands in one of `tables`, or in tables within them.
+/// Whether a parameter is in one of `tables`, or in tables within them.
 fn is_of(tables: &[&str], full_name: &str) -> bool {
     tables.iter().any(|table| full_name.strip_prefix(table).is_some_and(|rest| rest.starts_with('.')))
 }
 
-/// Up to three of `full` whose ends are spelt most like `name`, the most alike first.
+/// Up to three of `full` whose ends are spelt most like `name`, the most similar first.
 fn nearest<'a>(name: &str, full: &'a [String]) -> Vec<&'a str> {
-    // From here on it is rather another word than the same one misspelt.
+    // Below this it is rather another word than a misspelt one.
     const LEAST_SIMILARITY: f64 = 0.7;
     let n_parts = name.split('.').count();
     let similarity = |candidate: &str| {

@@ -1,10 +1,10 @@
-//! Tables of parameters in tables, and how their values are replaced.
+//! Nested tables of parameters, and how their values are replaced.
 
 use toml::{Table, Value};
 
 use super::error::{ConfigError, ConfigPosition};
 
-/// The parameters below `table`, each with the tables it is in.
+/// The parameters below `table`, each with its tables.
 pub(super) fn parameters(table: &Table) -> Vec<Vec<String>> {
     let below = table.iter().flat_map(|(key, value)| match value {
         Value::Table(inner) => parameters(inner)
@@ -19,7 +19,8 @@ pub(super) fn parameters(table: &Table) -> Vec<Vec<String>> {
     below.collect()
 }
 
-/// Puts the values of `overrides` into `table`, which is found under `parents`; `position_of` says where each was given.
+/// Puts the values of `overrides` into `table`, which is found under `parents`; `position_of` gives the position of each
+/// override.
 pub(super) fn set(
     table: &mut Table,
     overrides: Table,
@@ -31,7 +32,7 @@ pub(super) fn set(
         let key = parents.last().expect("it was just pushed");
         let Some(present) = table.get_mut(key) else {
             let known = table.keys().map(String::as_str).collect::<Vec<_>>().join(", ");
-            // Only at the top there is more than parameters.
+            // Only the top level has tables that are no parameters.
             let others = if parents.len() == 1 { "; other tables are classes and detector.NAME" } else { "" };
             let remedy = format!("parameters are {known}{others}");
             return Err(ConfigError::Unknown {

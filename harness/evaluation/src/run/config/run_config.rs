@@ -1,4 +1,4 @@
-//! The parameters of everything that takes part in a run.
+//! The parameters of all detectors and of the matching in a run.
 
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
@@ -26,7 +26,7 @@ use crate::matching::assign::MatchingParams;
 use crate::matching::criterion::Criterion;
 use crate::run::foreign_detector::ForeignDetector;
 
-/// Parameters of everything that takes part in a run.
+/// Parameters of all detectors and of the matching in a run.
 #[derive(Debug, Clone, PartialEq)]
 pub struct RunConfig {
     /// The hierarchical detector.
@@ -37,26 +37,26 @@ pub struct RunConfig {
     pub baselines: BaselineParams,
     /// How detections are judged.
     pub matching: MatchingParams,
-    /// What classifies vehicles; their size if there is nothing.
+    /// Models that classify vehicles; `None` if they are classified by size.
     pub vehicle_models: Option<VehicleModels>,
-    /// What names of classes in labels stand for, as the file says.
+    /// Meanings of class names in labels, from the file.
     pub classes: ClassTable,
-    /// Detectors that are not built in, as the file defines them.
+    /// Detectors that are not built in, from the file.
     pub foreign: Vec<ForeignDetector>,
     /// The file; `None` if there is none.
     pub file: Option<PathBuf>,
-    /// The sensor whose scans are looked at, once that is known.
+    /// The sensor of the scans, once known.
     pub sensor: Option<String>,
-    /// By id and sensor, the density curves of data sets whose sensor none is shipped for, learned from their scans.
+    /// Density curves, learned from their scans, of data sets whose sensor has no shipped one; by id and sensor.
     pub own_curves: BTreeMap<(String, String), DensityCurve>,
-    /// All of it as one document, for the manifest; without the density curve if that is the sensor's.
+    /// All parameters as one document, for the manifest; without the density curve if it is the sensor's.
     pub resolved: Table,
 }
 
-/// The table that says what classifies vehicles.
+/// The table of the models that classify vehicles.
 const VEHICLE_MODEL: &str = "vehicle_model";
 
-/// All parameters there are, with the values they have unless overridden.
+/// All parameters with their shipped values.
 pub(super) fn shipped() -> Table {
     let parse = |text: &str| text.parse::<Table>().expect("the embedded files are tested");
     let mut all = parse(PARAMS_TOML);
@@ -68,11 +68,11 @@ pub(super) fn shipped() -> Table {
 }
 
 impl RunConfig {
-    /// The shipped parameters, with those that the TOML file at `overrides`, if any, gives other values.
+    /// Loads the shipped parameters, overridden by the TOML file at `overrides`, if there is one.
     ///
     /// # Errors
     ///
-    /// [`ConfigError`] if the file cannot be read, or holds what no detector knows or can work with.
+    /// [`ConfigError`] if the file cannot be read, or holds unknown parameters or values that cannot be used.
     pub fn load(overrides: Option<&Path>) -> Result<Self, ConfigError> {
         let Some(path) = overrides else { return Self::resolve("", Path::new("built-in configuration")) };
         let bytes =
@@ -84,8 +84,8 @@ impl RunConfig {
         Ok(Self { file: Some(path.to_owned()), ..Self::resolve(&text, path)? })
     }
 
-    /// The shipped parameters, with vehicles classified by their size. No model is read, so that the models of the program
-    /// may be outdated.
+    /// The shipped parameters, with vehicles classified by their size. No model is read, so the models of the program may be
+    /// outdated.
     ///
     /// # Errors
     ///
@@ -94,19 +94,20 @@ impl RunConfig {
         Self::resolve("vehicle_model.enabled = false", Path::new("built-in configuration"))
     }
 
-    /// The same for scans of `sensor`, whose density curve takes the place of the paper's; `None` if none comes with the
-    /// detector. A curve that the file gives stays.
+    /// These parameters for scans of `sensor`, with its density curve instead of the paper's; `None` if the detector has no
+    /// curve of this sensor. A curve from the file is kept.
     pub fn for_sensor(&self, sensor: &str) -> Option<Self> {
         self.with_curve(sensor, || DensityCurve::shipped(sensor))
     }
 
-    /// The same for scans of the data set `id`: by the curve of its `sensor`, or its own of [`Self::own_curves`].
+    /// As [`Self::for_sensor`], for scans of the data set `id`: with the curve of its `sensor`, or its own one of
+    /// [`Self::own_curves`].
     pub fn for_dataset(&self, id: &str, sensor: &str) -> Option<Self> {
         let own = || self.own_curves.get(&(id.to_owned(), sensor.to_owned())).cloned();
         self.with_curve(sensor, || DensityCurve::shipped(sensor).or_else(own))
     }
 
-    /// The same for scans of `dataset`. A sensor of unknown density is treated as the paper's.
+    /// As [`Self::for_dataset`], for scans of `dataset`. A sensor of unknown density is treated as the paper's.
     pub fn for_scans_of(&self, dataset: &DatasetDescription) -> Self {
         self.for_dataset(&dataset.id, &dataset.sensor).unwrap_or_else(|| self.clone())
     }
@@ -120,7 +121,7 @@ impl RunConfig {
         Some(config)
     }
 
-    /// Judges by `criterion`, whatever the file says.
+    /// Replaces the criterion of the file by the kind of `criterion`. The gate stays that of the file.
     pub fn choose_criterion(&mut self, criterion: Criterion) {
         self.matching.criterion = match (criterion, self.resolved.get("matching").and_then(Value::as_table)) {
             (Criterion::Points { .. }, Some(table)) => {
@@ -140,12 +141,12 @@ impl RunConfig {
         }
     }
 
-    /// These parameters with those of `options` given other values. A parameter of the tables `own` may be named by the end
-    /// of its name alone where that is clear.
+    /// These parameters, overridden by `options`. A parameter of the tables `own` may be named by the end of its name if
+    /// that is unique.
     ///
     /// # Errors
     ///
-    /// [`ConfigError`] if an option names nothing, or several parameters, or its value cannot be worked with.
+    /// [`ConfigError`] if an option names no parameter, or several, or its value cannot be used.
     pub fn overridden(&self, options: &[OverrideOption], own: &[&str]) -> Result<Self, ConfigError> {
         let options = OverrideOptions::resolve(options, &self.resolved, own)?;
         let mut resolved = self.resolved.clone();
@@ -160,12 +161,12 @@ impl RunConfig {
     ///
     /// # Errors
     ///
-    /// [`ConfigError`] if it names nothing, or several parameters.
+    /// [`ConfigError`] if it names no parameter, or several.
     pub fn full_name(&self, option: &OverrideOption, own: &[&str]) -> Result<String, ConfigError> {
         Ok(option.keys(&parameters(&self.resolved), own)?.join("."))
     }
 
-    /// The value of the parameter of this full name.
+    /// The value of the parameter with this full name.
     pub fn value_of(&self, full_name: &str) -> Option<&Value> {
         let (first, rest) = full_name.split_once('.')?;
         rest.split('.').try_fold(self.resolved.get(first)?, |table, key| table.get(key))
@@ -199,7 +200,7 @@ impl RunConfig {
         Ok(Self { classes: applied.classes, foreign: applied.foreign, ..config })
     }
 
-    /// The parameters `resolved`, with the models that are here already if they are the same.
+    /// The parameters `resolved`. Reuses the loaded models if their parameters are equal.
     fn changed_to(&self, resolved: Table) -> Result<Self, ValueProblem> {
         let are_here = resolved.get(VEHICLE_MODEL) == self.resolved.get(VEHICLE_MODEL);
         let vehicle_models =
@@ -212,7 +213,7 @@ impl RunConfig {
             models.check_parameters(&resolved)?;
         }
         let table = |name: &str| resolved[name].as_table().cloned().unwrap_or_default();
-        // A curve that is not given is the sensor's; until that is known, the paper's stands in.
+        // Without a curve in the file the sensor's is used; until the sensor is known, the paper's.
         let hierarchical = if gives_density_curve(&resolved) {
             table("hierarchical")
         } else {

@@ -1,20 +1,20 @@
-//! Which of the resolved parameters cannot be worked with, and why.
+//! Problems with the values of resolved parameters.
 
 use detector::params::ParamsError;
 use toml::de::DeTable;
 
-/// A parameter with what is wrong about its value.
+/// A parameter and the problem with its value.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct ValueProblem {
-    /// The parameter with the tables it is in, from the outermost in.
+    /// The parameter with its tables, from the outermost in.
     pub(super) keys: Vec<String>,
-    /// What is wrong, as a continuation of its name.
+    /// The problem, as a continuation of its name.
     pub(super) problem: String,
 }
 
 impl ValueProblem {
-    /// What `error` complains about in the resolved `document`, whose parameters are those of the table `parent`, or of
-    /// several tables.
+    /// The problem of `error` in the resolved `document`, which holds the parameters of the table `parent`, or of several
+    /// tables if that is `None`.
     pub(super) fn new(error: &ParamsError, parent: Option<&str>, document: &str) -> Self {
         let (names, problem) = match error {
             ParamsError::OutOfRange { name, value, allowed } => {
@@ -38,7 +38,7 @@ impl ValueProblem {
     }
 }
 
-/// The names of the value at this position of the document of `table`, from the outermost in.
+/// Names of the value at this position of the document of `table`, from the outermost table in.
 fn key_at(table: &DeTable<'_>, byte_offset: usize) -> Option<Vec<String>> {
     table.iter().find_map(|(key, value)| {
         let mut keys = vec![key.get_ref().to_string()];

@@ -17,7 +17,7 @@ use serde::Deserialize;
 
 use super::value_problem::ValueProblem;
 
-/// The models that come with the program, unless something else is said.
+/// Default values of the table: the models that come with the program.
 pub(super) const VEHICLE_MODEL_TOML: &str = r#"
 enabled = true
 groupings_directory = ""
@@ -31,19 +31,19 @@ boxes_directory = ""
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
 struct VehicleModelTable {
-    /// Otherwise all detectors classify vehicles by their size.
+    /// If false, all detectors classify vehicles by their size.
     enabled: bool,
-    /// What `scanbench train groupings` wrote; the model that comes with the program if empty.
+    /// Output folder of `scanbench train groupings`; the model that comes with the program if empty.
     groupings_directory: String,
-    /// The same of `train rivals`.
+    /// Output folder of `train rivals`, likewise.
     rivals_directory: String,
-    /// The same of `train paper`.
+    /// Output folder of `train paper`, likewise.
     paper_directory: String,
-    /// Whether the classifier of paper that comes with the program is the one with the printed ν and γ.
+    /// Whether the shipped classifier of the detector paper is the one with the printed ν and γ.
     paper_as_printed: bool,
-    /// The same of `train pca`.
+    /// Output folder of `train pca`, likewise.
     pca_directory: String,
-    /// The same of `train boxes`.
+    /// Output folder of `train boxes`, likewise.
     boxes_directory: String,
 }
 
@@ -62,23 +62,23 @@ pub enum TrainedModel {
     Paper,
     /// The SVM of the detector pca.
     Pca,
-    /// The trees that make the boxes of vehicles whole, of all detectors but those of the papers.
+    /// The trees that complete the boxes of vehicles, of all detectors but those of the papers.
     Boxes,
 }
 
-/// What the files are called that training writes.
+/// Name of the file that training writes for the detector hierarchical.
 pub const GROUPINGS_FILE: &str = "groupings.model";
-/// The same of the detector kd-tree-trained.
+/// Name of the file of the detector kd-tree-trained.
 pub const COMPONENTS_FILE: &str = "kd_tree_trained.model";
-/// The same of the detector kd-tree-tree.
+/// Name of the file of the detector kd-tree-tree.
 pub const NESTED_FILE: &str = "kd_tree_tree.model";
-/// The same of the vehicles of clusters.
+/// Name of the file of the vehicle model of clusters.
 pub const CLUSTERS_FILE: &str = "clusters.model";
-/// The same of the detector paper.
+/// Name of the file of the detector paper.
 pub const PAPER_FILE: &str = "paper.model";
-/// The same of the boxes of whole vehicles.
+/// Name of the file of the boxes of whole vehicles.
 pub const BOXES_FILE: &str = "boxes.model";
-/// The same of the detector pca.
+/// Name of the file of the detector pca.
 pub const PCA_FILE: &str = "pca.model";
 
 impl TrainedModel {
@@ -117,7 +117,7 @@ impl TrainedModel {
         }
     }
 
-    /// What it is, for people.
+    /// Short description for users.
     pub fn in_words(self) -> &'static str {
         match self {
             Self::Groupings | Self::Components | Self::NestedComponents => "its own trees",
@@ -128,7 +128,7 @@ impl TrainedModel {
     }
 }
 
-/// What stands for the checksum of a model that comes with the program.
+/// Stands for the checksum of a model that comes with the program.
 const SHIPPED: &str = "shipped";
 
 /// The trained models. Those that come with the program are read when a detector first asks for one.
@@ -143,7 +143,7 @@ pub struct VehicleModels {
     boxes: ModelSource<BoxModel>,
 }
 
-/// Where a model is from.
+/// Source of a model.
 #[derive(Debug, Clone, PartialEq)]
 enum ModelSource<M> {
     Shipped,
@@ -155,7 +155,8 @@ enum ModelSource<M> {
     },
 }
 
-/// The parameters that a model was trained with instead of the shipped ones, by their full names; and whose model it is.
+/// The parameters that a model was trained with instead of the shipped ones, by their full names; and the parameter that
+/// names the directory of the model.
 #[derive(Debug, Clone, PartialEq)]
 struct TrainedWith {
     parameters: toml::Table,
@@ -186,37 +187,37 @@ impl VehicleModels {
         Ok(())
     }
 
-    /// That of the detector hierarchical.
+    /// Model of the detector hierarchical.
     pub fn groupings(&self) -> Arc<GroupingModel> {
         self.groupings.model(GroupingModel::shipped)
     }
 
-    /// That of the detector kd-tree-trained.
+    /// Model of the detector kd-tree-trained.
     pub fn components(&self) -> TrainedComponents {
         self.components.model(TrainedComponents::shipped)
     }
 
-    /// That of the detector kd-tree-tree.
+    /// Model of the detector kd-tree-tree.
     pub fn nested_components(&self) -> Arc<GroupingModel> {
         self.nested_components.model(shipped_tree)
     }
 
-    /// That of the vehicles among clusters.
+    /// Model of the vehicles among clusters.
     pub fn clusters(&self) -> VehicleModel {
         self.clusters.model(VehicleModel::shipped)
     }
 
-    /// That of the detector paper.
+    /// Model of the detector paper.
     pub fn paper(&self) -> PaperModel {
         self.paper.model(PaperModel::shipped)
     }
 
-    /// That of the clusters of the detector pca.
+    /// Model of the clusters of the detector pca.
     pub fn pca(&self) -> PcaVehicleModel {
         self.pca.model(PcaVehicleModel::shipped)
     }
 
-    /// That of the boxes of whole vehicles; `None` of the one that comes with the program.
+    /// Model of the boxes of whole vehicles; `None` for the one that comes with the program.
     pub fn boxes(&self) -> Option<Arc<BoxModel>> {
         match &self.boxes {
             ModelSource::Shipped => None,
@@ -224,14 +225,14 @@ impl VehicleModels {
         }
     }
 
-    /// The SHA-256 of `model`; `None` of the one that comes with the program.
+    /// The SHA-256 of `model`; `None` for the one that comes with the program.
     pub fn checksum(&self, model: TrainedModel) -> Option<&str> {
         let mut identities = TrainedModel::ALL.into_iter().zip(self.identity());
         let identity = identities.find(|(of, _)| *of == model)?.1;
         (!identity.starts_with(SHIPPED)).then_some(identity)
     }
 
-    /// What distinguishes these models from others of the same program: a checksum for each, in the order of
+    /// Identity of these models among those for the same program: a checksum for each, in the order of
     /// [`TrainedModel::ALL`].
     pub fn identity(&self) -> [&str; 7] {
         let Self { groupings, components, nested_components, clusters, paper, pca, boxes } = self;
@@ -270,8 +271,8 @@ impl<M: Clone> ModelSource<M> {
     }
 }
 
-/// The models of a complete TOML document; `None` if they are switched off. Those of directories with names are read at
-/// once, because what is wrong with them is wrong with the configuration.
+/// The models of a complete TOML document; `None` if they are switched off. Models of named directories are read at once,
+/// because their errors are errors of the configuration.
 pub(super) fn vehicle_models_from(text: &str) -> Result<Option<VehicleModels>, ValueProblem> {
     let table: VehicleModelTable = toml::from_str(text)
         .map_err(|error| ValueProblem::new(&ParamsError::Syntax(error), Some("vehicle_model"), text))?;
@@ -309,7 +310,7 @@ fn paper_from(files: &ModelDirectory<'_>, as_printed: bool) -> Result<ModelSourc
     Ok(ModelSource::Trained { model, checksum: "shipped, as printed".to_owned(), trained })
 }
 
-/// A directory with what training wrote, and the parameter that names it.
+/// An output directory of training, and the parameter that names it.
 struct ModelDirectory<'a> {
     parameter: &'static str,
     directory: &'a str,

@@ -1,6 +1,6 @@
-//! What records runs and sweeps for Rerun, or, in a program that was built without the viewer, what stands in for it.
+//! Recorders of runs and sweeps for Rerun; in a program that was built without the viewer, stand-ins.
 //!
-//! Both have the same items; nothing else asks what was built in.
+//! Both have the same items; no other code asks what was built in.
 
 use std::path::PathBuf;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -37,14 +37,14 @@ pub enum Appearance {
     Whole,
 }
 
-/// What a recording is about.
+/// Plan of a recording.
 #[allow(dead_code, reason = "read by the viewer, where there is one")]
 pub struct RecordingPlan<'a> {
-    /// What was asked for.
+    /// The arguments about recordings.
     pub arguments: &'a StreamArgs,
     /// Where it is written unless the arguments say otherwise.
     pub default_file: PathBuf,
-    /// When that appears.
+    /// When the file appears.
     pub appears: Appearance,
     /// Its name in the viewer.
     pub name: &'a str,
@@ -58,12 +58,12 @@ pub struct RecordingPlan<'a> {
     pub has_poses: bool,
     /// Whether it opens at its first scan, and not at the last.
     pub at_the_start: bool,
-    /// What a tab of its own shows.
+    /// Figures that have a tab of their own.
     pub figures: &'static [FigureView],
 }
 
-/// Begins the recording `file` of what `compared_detectors` do on `datasets`, which is called `name`. Returns it, and that one
-/// scan in how many is recorded; `None` if none is wanted.
+/// Begins the recording `file`, called `name`, of `compared_detectors` on `datasets`. Returns it with the number n where one
+/// scan in n is recorded; `None` if no recording is wanted.
 pub fn begin_recording(
     arguments: &StreamArgs,
     figures: &'static [FigureView],
@@ -92,7 +92,7 @@ pub fn begin_recording(
     Ok(recorder.map(|it| (it, u64::from(arguments.every(n_scans)))))
 }
 
-/// Says what went wrong at the end, and returns what still serves the recording.
+/// Prints the warning of `ending`, if there is one, and returns the server that still serves the recording.
 pub fn report_ending(ending: RecordingEnding) -> Option<Box<dyn Served>> {
     if let Some(warning) = ending.warning {
         print_diagnostic(format_args!("warning: {warning}"));
@@ -100,7 +100,7 @@ pub fn report_ending(ending: RecordingEnding) -> Option<Box<dyn Served>> {
     ending.served
 }
 
-/// Goes on serving the recording, of which everything is written, until the user ends it.
+/// Goes on serving the recording, which is completely written, until the user ends it.
 pub fn serve_until_interrupted(served: &dyn Served, interrupted: &AtomicBool) {
     print_diagnostic(format_args!("Serving the recording until Ctrl-C: rerun {}", served.url()));
     while !interrupted.load(Ordering::Relaxed) {

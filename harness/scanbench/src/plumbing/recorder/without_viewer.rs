@@ -1,4 +1,4 @@
-//! What stands in for recordings in a program that was built without the viewer: there are none.
+//! Stand-ins for recorders in a program that was built without the viewer: they record nothing.
 
 use std::path::Path;
 
@@ -13,7 +13,7 @@ use super::RecordingPlan;
 use crate::cli::{PartialArgs, StreamArgs};
 use crate::plumbing::failure::{Failure, Usage};
 
-/// There is none.
+/// No recorder exists.
 pub enum Recorder {}
 
 /// Whether a recording is asked for: never.

@@ -1,6 +1,6 @@
 //! Data sets from elsewhere: those at addresses, which are read from a cache, and those that `data get` fetches.
 //!
-//! A program that was built without the feature `remote` has the same items; nothing else asks what was built in.
+//! A program that was built without the feature `remote` has the same items; no other code asks what was built in.
 
 use std::borrow::Cow;
 use std::path::{Path, PathBuf};
@@ -22,26 +22,26 @@ use without_remote::fetched;
 #[cfg(not(feature = "remote"))]
 pub use without_remote::get;
 
-/// What of a public data set is fetched.
+/// Part of a public data set that is fetched, and where to.
 #[allow(dead_code, reason = "read where there is something to fetch with")]
 pub struct GetPlan<'a> {
     /// Its id.
     pub id: &'a str,
-    /// What the catalogue says; `None` where only the file of a link is fetched.
+    /// The download of the catalogue; `None` if only the file of a link is fetched.
     pub download: Option<&'a Download>,
-    /// The file that is fetched instead.
+    /// Link of the file that is fetched instead.
     pub link: Option<&'a str>,
     /// The drives; all if there are none.
     pub drives: &'a [String],
     /// The folder that it goes to.
     pub into: &'a Path,
-    /// How large the files of an archive may be, in GB, if that was said.
+    /// Largest size of the files of an archive, in GB, if one was given.
     pub unpack_at_most_gb: Option<u64>,
-    /// Whether nothing is fetched after all.
+    /// Whether it is a dry run, which fetches nothing.
     pub is_dry_run: bool,
 }
 
-/// What has been fetched.
+/// Files that have been fetched.
 pub struct Got {
     /// Files that arrived, or were there.
     pub n_files: usize,
@@ -63,7 +63,7 @@ pub fn local_name<'a>(name: &'a str, cache: Option<&Path>) -> Result<Cow<'a, str
     }
 }
 
-/// Where what is fetched is kept.
+/// The folder in which fetched files are kept.
 fn cache_folder(chosen: Option<&Path>) -> Result<PathBuf, Usage> {
     if let Some(chosen) = chosen {
         return Ok(chosen.to_path_buf());

@@ -21,7 +21,7 @@ use crate::plumbing::interruption::{interruption_flag, set_last_words};
 use crate::plumbing::progress::progress_over_scans;
 use crate::plumbing::standard_streams::print_diagnostic;
 
-/// Fetches what is at `address` into a folder of `cache`, as far as it is not there, and returns the path of it.
+/// Fetches the files at `address` that are not yet in a folder of `cache`, and returns the path of the file or folder.
 pub fn fetched(address: &str, cache: &Path) -> Result<PathBuf, Failure> {
     let address = Address::parse(address)?;
     let store = Store::open(&address, &Access::default())?;
@@ -53,7 +53,7 @@ pub fn fetched(address: &str, cache: &Path) -> Result<PathBuf, Failure> {
     Ok(path)
 }
 
-/// Fetches what makers of a data set give, and unpacks it.
+/// Fetches a data set from its makers, and unpacks it.
 pub fn get(plan: &GetPlan<'_>) -> Result<Got, Failure> {
     let session = Session::new(interruption_flag(), patience()?)?;
     let (store, mut files) = match (plan.link, plan.download) {
@@ -66,7 +66,7 @@ pub fn get(plan: &GetPlan<'_>) -> Result<Got, Failure> {
         (None, None) => return Err(Usage(format!("{:?} has nothing to fetch", plan.id)).into()),
     };
     for file in files.iter_mut().filter(|it| is_zip(&it.name)) {
-        // Not in a folder of its own, which its files have.
+        // Not in a folder of its own: the files in it have one.
         file.name = file.name.rsplit('/').next().unwrap_or_default().to_owned();
     }
     let n_bytes = files.iter().map(|it| it.n_bytes).sum();
@@ -127,7 +127,7 @@ fn listed(
     Ok((store, files))
 }
 
-/// How long a server is waited for, in seconds; a minute if this is not set.
+/// Variable with the longest wait for a server, in seconds; a minute if it is not set.
 const PATIENCE_VARIABLE: &str = "SCANBENCH_PATIENCE_S";
 
 fn patience() -> Result<Patience, Usage> {
@@ -146,7 +146,7 @@ fn say_slow(label: &str) -> impl Fn(&str) {
     move |sentence| print_diagnostic(format_args!("{label}: {sentence}"))
 }
 
-/// Says what has yet to arrive, and whether the disk takes it.
+/// Prints how much has yet to arrive, and how much is free on the disk.
 fn say_how_much(plan: &GetPlan<'_>, missing: &Missing) {
     let folder = plan.into.display();
     let room =
@@ -183,7 +183,7 @@ struct Fetching<'a> {
 }
 
 impl Fetching<'_> {
-    /// Fetches what is missing of `files`, and returns how much that was.
+    /// Fetches those of `files` that are missing, and returns how much that was.
     fn fetch(
         &self,
         session: &Session<'_>,
@@ -207,7 +207,7 @@ impl Fetching<'_> {
     }
 }
 
-/// A bar over so many bytes that arrive; `label` says of what.
+/// A bar over `n_bytes` bytes of `label` that arrive.
 fn progress_over_bytes(n_bytes: u64, label: &str) -> ProgressBar {
     let bar = progress_over_scans(0, label);
     let template =

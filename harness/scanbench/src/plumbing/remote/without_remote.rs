@@ -1,4 +1,4 @@
-//! What stands in for addresses in a program that was built without the feature `remote`: nothing can be fetched.
+//! Stand-ins for fetching in a program that was built without the feature `remote`: they only fail.
 
 use std::path::{Path, PathBuf};
 

@@ -13,21 +13,21 @@ use crate::plumbing::failure::Failure;
 use crate::plumbing::first_look::thinned;
 use crate::plumbing::progress::RunProgress;
 
-/// So many scans are kept to be looked at, from the first to the last.
+/// Largest number of scans that are kept to be looked at, from the first to the last.
 const MOST_KEPT: usize = 16;
-/// After so many the first look is taken, so that a mistake is heard early.
+/// Number of scans after which the first look is taken, so that a mistake is reported early.
 const FIRST_KEPT: usize = 10;
 
-/// Looks at the boxes of detectors that are not built in: once after a few scans, and at the end. What is suspect is warned
-/// of and goes into the log.
+/// Looks at the boxes of detectors that are not built in: once after a few scans, and at the end. It warns of suspect boxes,
+/// and logs them.
 pub struct DetectionLook<'a> {
     log: &'a RunLog<'a>,
     progress: &'a RunProgress,
-    // Names of those that are looked at, and whether they are suspect on the present data set.
+    // Names of the detectors that are looked at, and whether they are suspect on the present data set.
     detectors: Vec<(String, bool)>,
     dataset: String,
     kept: Vec<KeptScan>,
-    // Of so many scans a pair that follow one another is kept.
+    // Of every so many scans, the first two are kept, which follow one another.
     stride: usize,
     n_seen: usize,
 }
@@ -40,7 +40,7 @@ struct KeptScan {
 }
 
 impl<'a> DetectionLook<'a> {
-    /// Of the detectors in `manifest` that are not built in; `None` if all are.
+    /// A look at the detectors in `manifest` that are not built in; `None` if all are.
     pub fn new(log: &'a RunLog<'a>, progress: &'a RunProgress, manifest: &Manifest) -> Option<Self> {
         let foreign = manifest.detectors.iter().filter(|it| it.foreign.is_some());
         let detectors: Vec<(String, bool)> = foreign.map(|it| (it.name.clone(), false)).collect();
@@ -75,7 +75,7 @@ impl<'a> DetectionLook<'a> {
         }
     }
 
-    /// Looks at those that are not suspect yet.
+    /// Looks at the detectors that are not suspect yet.
     fn look(&mut self) -> Result<(), Failure> {
         for (detector_idx, (name, is_suspect)) in self.detectors.iter_mut().enumerate() {
             if *is_suspect {
@@ -100,7 +100,7 @@ impl KeptScan {
     }
 }
 
-/// The scans of `scans`, found in the ones that were `kept`, that follow another: each with the index of that.
+/// Those of `scans`, which are in the order of `kept`, that follow the one before: each with the index of that one.
 fn following(kept: &[KeptScan], scans: &[LabeledScan]) -> Vec<(usize, LabeledScan)> {
     let follows = |idx: &usize| {
         let [first, second] = [&kept[*idx], &kept[*idx + 1]];

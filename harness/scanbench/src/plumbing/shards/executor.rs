@@ -1,4 +1,4 @@
-//! Does work that can be shared out: all in one piece, or a shard.
+//! Does work that can be cut into shards: all in one piece, or a shard.
 //!
 //! Finished work is kept at once as events in a journal. A shard leaves these for `merge`, which makes the result of them.
 //! Interrupted work continues when the same command is run again.
@@ -17,14 +17,14 @@ use serde_json::Value;
 
 use super::shard_log::{ShardLog, leave_log};
 use super::share_of_work::ShareOfWork;
-use super::unfinished_work::{Remains, UnfinishedWork, identity_of};
+use super::unfinished_work::{KeptFiles, UnfinishedWork, identity_of};
 use super::work_output::WorkOutput;
 use crate::plumbing::failure::Failure;
 use crate::plumbing::standard_streams::{Verbosity, is_said, print_diagnostic, print_result};
 
-/// What all shards come to, with its files.
+/// Result of all shards, with its files.
 pub trait WholeResult: Sized {
-    /// Makes that of `shards`, whose manifests are `manifests`, both in order, in `directory`.
+    /// Makes the result of `shards`, whose manifests are `manifests`, both in order, in `directory`.
     fn of_shards(
         study: Study,
         shards: &[ShardLog<'_>],
@@ -33,69 +33,69 @@ pub trait WholeResult: Sized {
     ) -> Result<Self, Failure>;
 }
 
-/// What is done part by part, with an event in the journal for each.
+/// Work that can be cut into shards. It is done part by part, with an event in the journal for each.
 pub trait SharedWork {
     /// A line of the journal.
     type Event: DeserializeOwned;
-    /// What comes of it.
+    /// The result.
     type Whole: WholeResult;
 
-    /// Leaves the part of `shard` to be done.
-    fn take_share(&mut self, shard: Shard) -> ShareOfWork;
+    /// Cuts the work to the part of `shard`.
+    fn claim_share(&mut self, shard: Shard) -> ShareOfWork;
 
-    /// How it comes about; with `shard`, of a shard.
+    /// The manifest of the work; with `shard`, of that shard.
     fn manifest(&self, shard: Option<ShardRecord>) -> Manifest;
 
-    /// What decides the result beside all that the manifest says.
+    /// Facts that decide the result and that the manifest lacks.
     fn rules(&self) -> Value {
         Value::Null
     }
 
-    /// What a directory without a name is called after.
+    /// Ids that a directory is named after if the user gives it no name.
     fn ids(&self) -> String;
 
-    /// What there is to do, such as `60 scans`.
+    /// Extent of the work, such as `60 scans`.
     fn extent(&self) -> String;
 
-    /// Whether nothing is kept to go on with, because all has to be seen at once.
+    /// Whether all has to be seen at once, so that nothing is kept to continue from.
     fn sees_all(&self) -> bool {
         false
     }
 
-    /// Takes in what was done before, unless it cannot be of this work, or cannot come next.
+    /// Adds `event`, which was done before; `false` if it cannot be of this work, or cannot come next.
     fn add_done(&mut self, event: Self::Event) -> bool;
 
     /// How much was done before, such as `7 of 60 scans`; `None` if nothing was.
     fn done(&self) -> Option<String>;
 
-    /// Does what is left of the shard that `record` is of, or of work in one piece.
-    fn go_on(&mut self, unfinished: &UnfinishedWork, record: &ShardRecord) -> Result<(), Failure>;
+    /// Does the rest of the shard of `record`, or of work in one piece.
+    fn resume(&mut self, unfinished: &UnfinishedWork, record: &ShardRecord) -> Result<(), Failure>;
 
-    /// What is said of work in one piece that `failure` has ended, and what is left of it.
+    /// Ends work in one piece that failed with `failure`, which it returns: keeps what can be continued, or removes it.
     fn ended_by(&mut self, failure: Failure, unfinished: UnfinishedWork) -> Failure {
         if unfinished.is_begun() { unfinished.ended_by(failure) } else { unfinished.discarded_by(failure) }
     }
 
-    /// How it came about, now that all is done and in `journal`; its shard becomes `record`.
+    /// The manifest once all is done and in `journal`; its shard becomes `record`.
     fn finished_manifest(&mut self, journal: &Journal, record: ShardRecord) -> Result<Manifest, Failure>;
 
     /// Makes the result of work in one piece, whose manifest is `manifest`, in `directory`.
     fn whole(
         &mut self,
         study: Study,
-        remains: &Remains,
+        kept: &KeptFiles,
         manifest: &Manifest,
         directory: &RunDirectory,
     ) -> Result<Self::Whole, Failure> {
         let record = manifest.shard.as_ref().expect("its shard was just written into it");
-        let log = ShardLog::of_journal(&remains.folder, record, &remains.journal);
+        let log = ShardLog::of_journal(&kept.folder, record, &kept.journal);
         Self::Whole::of_shards(study, &[log], &[manifest], directory)
     }
 
-    /// Has `directory` take what else lies beside the journal and belongs to the result.
-    fn carry_over(
+    /// Gives `directory` the other files that belong to the result, such as those beside the journal.
+    fn move_beside_files(
         &self,
-        _: &Remains,
+        _: &KeptFiles,
         _manifest: &Manifest,
         _directory: &RunDirectory,
     ) -> Result<(), Failure> {
@@ -104,32 +104,32 @@ pub trait SharedWork {
 }
 
 /// A result in one piece, to which a verb may add files of its own.
-pub struct Made<Whole> {
+pub struct Finished<Whole> {
     // Invariant: before the directory, which removes the folders that were made for both.
-    remains: Remains,
+    kept: KeptFiles,
     /// Its directory.
     pub directory: RunDirectory,
-    /// What it came to.
+    /// The result.
     pub whole: Whole,
 }
 
-impl<Whole> Made<Whole> {
-    /// Gives the directory its name, and returns where it is, with what it came to.
+impl<Whole> Finished<Whole> {
+    /// Gives the directory its name, and returns its path with the result.
     pub fn finish(self) -> Result<(PathBuf, Whole), Failure> {
         let finished = self.directory.finish()?;
-        self.remains.clear();
+        self.kept.clear();
         Ok((finished, self.whole))
     }
 }
 
-/// Does `work` in `output`: a shard is left there for `merge`, and all in one piece is handed back.
+/// Does `work` in `output`: a shard is left there for `merge`, and a result in one piece is returned.
 pub fn execute<W: SharedWork>(
     work: &mut W,
     mut output: WorkOutput,
-) -> Result<Option<Made<W::Whole>>, Failure> {
+) -> Result<Option<Finished<W::Whole>>, Failure> {
     output.is_kept &= !work.sees_all();
     let (part, study, is_kept) = (output.shard, output.study, output.is_kept);
-    let share = work.take_share(part.unwrap_or(Shard::ONLY));
+    let share = work.claim_share(part.unwrap_or(Shard::ONLY));
     let record = output.record(share);
     let identity = identity_of(&work.manifest(Some(record.clone())), work.rules());
     let (ids, extent) = (work.ids(), work.extent());
@@ -137,7 +137,7 @@ pub fn execute<W: SharedWork>(
     if let Some(done) = work.done() {
         unfinished.report_continuing(&done);
     }
-    if let Err(failure) = work.go_on(&unfinished, &record) {
+    if let Err(failure) = work.resume(&unfinished, &record) {
         return Err(match part {
             Some(_) => unfinished.ended_by(failure),
             None => work.ended_by(failure, unfinished),
@@ -147,34 +147,34 @@ pub fn execute<W: SharedWork>(
         leave_shard(work, unfinished, record)?;
         return Ok(None);
     }
-    let (claimed, remains) = unfinished.into_parts();
+    let (claimed, kept) = unfinished.into_parts();
     let directory = RunDirectory::begin(claimed)?;
-    match put_in_one_piece(work, study, record, &remains, &directory) {
-        Ok(whole) => Ok(Some(Made { remains, directory, whole })),
+    match whole_in_one_piece(work, study, record, &kept, &directory) {
+        Ok(whole) => Ok(Some(Finished { kept, directory, whole })),
         Err(failure) => {
             if !is_kept || matches!(failure, Failure::NothingEvaluated(_)) {
-                remains.clear();
+                kept.clear();
             }
             Err(failure)
         }
     }
 }
 
-/// Makes the directory of a shard. What was kept until then is not needed any more.
+/// Makes the directory of a shard, and removes what was kept until then.
 fn leave_shard<W: SharedWork>(
     work: &mut W,
     unfinished: UnfinishedWork,
     record: ShardRecord,
 ) -> Result<(), Failure> {
     let words = unfinished.part_in_words();
-    let (claimed, remains) = unfinished.into_parts();
+    let (claimed, kept) = unfinished.into_parts();
     let directory = RunDirectory::begin(claimed)?;
-    let record = ShardRecord { log: Some(leave_log(&remains.journal, &directory)?), ..record };
-    let manifest = work.finished_manifest(&remains.journal, record)?;
-    work.carry_over(&remains, &manifest, &directory)?;
+    let record = ShardRecord { log: Some(leave_log(&kept.journal, &directory)?), ..record };
+    let manifest = work.finished_manifest(&kept.journal, record)?;
+    work.move_beside_files(&kept, &manifest, &directory)?;
     directory.write_file(MANIFEST_JSON, manifest.to_json().as_bytes())?;
     let finished = directory.finish()?;
-    remains.clear();
+    kept.clear();
     if !is_said(Verbosity::Usual) {
         return print_result(finished.display());
     }
@@ -182,15 +182,15 @@ fn leave_shard<W: SharedWork>(
     Ok(())
 }
 
-/// The result of what was kept in `remains`, written into `directory`.
-fn put_in_one_piece<W: SharedWork>(
+/// The result of the work that `kept` holds, written into `directory`.
+fn whole_in_one_piece<W: SharedWork>(
     work: &mut W,
     study: Study,
     record: ShardRecord,
-    remains: &Remains,
+    kept: &KeptFiles,
     directory: &RunDirectory,
 ) -> Result<W::Whole, Failure> {
-    let manifest = work.finished_manifest(&remains.journal, record)?;
-    work.carry_over(remains, &manifest, directory)?;
-    work.whole(study, remains, &manifest, directory)
+    let manifest = work.finished_manifest(&kept.journal, record)?;
+    work.move_beside_files(kept, &manifest, directory)?;
+    work.whole(study, kept, &manifest, directory)
 }

@@ -1,4 +1,4 @@
-//! How work is done in one piece or in shards: what there is to do, what is done so far, and what comes of it.
+//! Work in one piece or in shards: its extent, its progress, and its result.
 
 pub mod share_of_work;
 pub mod work_output;

@@ -28,14 +28,14 @@ pub enum RunEvent {
     Skipped {
         /// Index of its data set in the run.
         dataset_idx: usize,
-        /// Which it is.
+        /// Its id.
         scan: String,
-        /// What is wrong with it.
+        /// Why it is damaged.
         reason: String,
     },
     /// Boxes of a detector are suspect.
     Doubt {
-        /// Its name.
+        /// Name of the detector.
         detector: String,
         /// On which data set, and why.
         doubt: String,
@@ -53,7 +53,7 @@ pub struct ScanEvent {
     pub place: usize,
     /// Its number among all scans of the run.
     pub number: u64,
-    /// Whether its labels say something, if only that nothing stands there.
+    /// Whether it is labelled, if only to say that nothing stands there.
     pub is_labeled: bool,
     /// Annotations of any kind.
     pub n_labels: u64,
@@ -70,7 +70,7 @@ pub struct ScanEvent {
     pub stages: Vec<StageRow>,
     /// Rows under protocols of others.
     pub official: OfficialRows,
-    /// How far detectors agree; nothing of a labelled scan.
+    /// How far detectors agree; empty for a labelled scan.
     pub agreement: Vec<AgreementRow>,
     /// Points around those of its mistakes that may be among the worst.
     pub patches: Vec<Patch>,
@@ -79,7 +79,7 @@ pub struct ScanEvent {
 /// How far a run or a shard is.
 #[derive(Debug, Clone, Default)]
 pub struct EventProgress {
-    /// Of each data set that has been begun, the index behind its last scan that was judged.
+    /// By data set that has been begun, the index behind its last scan that was judged.
     pub next_indices: BTreeMap<usize, usize>,
     /// Scans that were judged.
     pub n_scans: usize,
@@ -88,7 +88,7 @@ pub struct EventProgress {
 }
 
 impl EventProgress {
-    /// Whether `event` can come next, where of each data set the `parts` are to be done.
+    /// Whether `event` can come next; `parts` are the scans of each data set that are to be done.
     pub fn allows(&self, event: &RunEvent, parts: &[Range<usize>]) -> bool {
         match event {
             RunEvent::Began { .. } | RunEvent::Doubt { .. } | RunEvent::Recorded(_) => true,

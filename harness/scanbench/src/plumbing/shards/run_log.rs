@@ -1,4 +1,4 @@
-//! Events of a run on their way: into its journal, and into its rows.
+//! The log of a run: each event goes into its journal, and into its rows.
 
 use std::cell::RefCell;
 
@@ -11,17 +11,17 @@ use crate::plumbing::failure::Failure;
 
 /// Takes the events of a run as they come.
 pub struct RunLog<'a> {
-    /// `None` where nothing is kept to go on with.
+    /// `None` if nothing is kept to continue from.
     journal: Option<&'a Journal>,
     made: RefCell<EventsMade>,
 }
 
-/// What events have come to so far.
+/// Summary and rows of the events so far.
 #[derive(Default)]
 pub struct EventsMade {
-    /// For the manifest.
+    /// Summary for the manifest.
     pub summary: RunSummary,
-    /// Of a run in one piece; rows of a shard are made when it is merged.
+    /// Rows of a run in one piece; those of a shard are made when it is merged.
     pub rows: Option<RunRows>,
 }
 
@@ -34,7 +34,7 @@ impl EventsMade {
 }
 
 impl<'a> RunLog<'a> {
-    /// Goes on from what was `made`, and keeps events in `journal`.
+    /// A log that continues from `made`, and keeps events in `journal`.
     pub fn new(journal: Option<&'a Journal>, made: EventsMade) -> Self {
         Self { journal, made: made.into() }
     }
@@ -47,7 +47,7 @@ impl<'a> RunLog<'a> {
         self.made.borrow_mut().add(event)
     }
 
-    /// What all events have come to.
+    /// Summary and rows of all events.
     pub fn into_made(self) -> EventsMade {
         self.made.into_inner()
     }

@@ -33,7 +33,7 @@ pub struct RunRows {
     pub files: RowFiles,
     /// The sums.
     pub sums: RowSums,
-    // Index of the present processor among those whose times stand by themselves.
+    // Index of the present processor in `of_processors`, if that has it.
     processor_idx: Option<usize>,
 }
 
@@ -43,26 +43,26 @@ pub struct RowFiles {
     scans: CsvRowWriter<ScanRow>,
     matches: CsvRowWriter<MatchRow>,
     stages: CsvRowWriter<StageRow>,
-    // Of protocols of others, those that were asked for.
+    // For those protocols of others that were asked for.
     boxes: Option<CsvRowWriter<RankedBoxRow>>,
     kitti: Option<CsvRowWriter<KittiObjectRow>>,
     labels: Option<CsvRowWriter<LabelScoreRow>>,
 }
 
-/// What rows come to.
+/// Sums of rows.
 pub struct RowSums {
     /// Sums and worst mistakes.
     pub gathered: GatheredRun,
     /// Sums of rows under protocols of others.
     pub protocols: ProtocolTally,
-    /// Times of each kind of processor by themselves, where these are unlike.
+    /// Times by kind of processor, if there are several.
     pub of_processors: Vec<(String, Tally)>,
     /// How far detectors agree where nothing is labelled.
     pub agreement: Vec<AgreementRow>,
 }
 
 impl RunRows {
-    /// None yet of the run of `manifest`, with files in `folder`.
+    /// Begins without rows for the run of `manifest`, with files in `folder`.
     pub fn begin(manifest: &Manifest, folder: &Path) -> Result<Self, ArchiveError> {
         let processors = processors_of(&manifest.shards);
         let unlike = processors.iter().filter(|_| processors.len() > 1);
@@ -87,7 +87,7 @@ impl RunRows {
         })
     }
 
-    /// Adds `event` of the shard of this index.
+    /// Adds `event` of the shard at `shard_idx`.
     pub fn add(&mut self, event: &RunEvent, shard_idx: usize) -> Result<(), ArchiveError> {
         match event {
             RunEvent::Began { cpu_model } => {

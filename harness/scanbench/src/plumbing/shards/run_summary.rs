@@ -1,4 +1,4 @@
-//! What a manifest says of a run once that has ended: labels, damaged scans, doubts, processors, recordings.
+//! Facts about a run that its manifest gets in the end: labels, damaged scans, doubts, processors, recordings.
 
 use reports::run_folder::manifest::{Manifest, SkippedScan};
 use reports::run_folder::shard_record::{ProcessorRows, ShardRecord, ShardRecording};
@@ -8,7 +8,7 @@ use super::run_event::{RunEvent, ScanEvent};
 /// Sums of the events of a run or a shard that its manifest reports.
 #[derive(Debug, Default)]
 pub struct RunSummary {
-    // By index of the data set, as far as one has events.
+    // By index of the data set, up to the last that has events.
     datasets: Vec<DatasetSummary>,
     processors: Vec<ProcessorRows>,
     recordings: Vec<ShardRecording>,
@@ -36,7 +36,7 @@ impl RunSummary {
             RunEvent::Scan(scan) => self.add_scan(scan),
             RunEvent::Skipped { dataset_idx, scan, reason } => {
                 let skipped = &mut self.dataset(*dataset_idx).skipped;
-                // A run that was interrupted behind it has met it twice.
+                // An interrupted run may have met it twice.
                 if skipped.iter().all(|it| it.scan != *scan) {
                     skipped.push(SkippedScan { scan: scan.clone(), reason: reason.clone() });
                 }
@@ -68,7 +68,7 @@ impl RunSummary {
         &self.processors
     }
 
-    /// Puts what the events say into `manifest`, whose shard becomes `record`.
+    /// Writes the sums into `manifest`, whose shard becomes `record`.
     pub fn write_to(self, manifest: &mut Manifest, mut record: ShardRecord) {
         for (dataset_idx, dataset) in self.datasets.into_iter().enumerate() {
             record.parts[dataset_idx].n_labels = dataset.n_labels;

@@ -22,26 +22,26 @@ pub struct ScanEvents<'a> {
     log: &'a RunLog<'a>,
     datasets: &'a [OpenedDataset],
     dataset_idx: usize,
-    // Of each data set, how many of the scans that were skipped are in the log.
+    // By data set, how many of the skipped scans are in the log.
     n_skipped: Vec<usize>,
     // Which mistakes may be among the worst, and which matches among the best.
     worst: WorstObjects<()>,
     // `None` without protocols of others.
     official: Option<OfficialEvaluation>,
-    // The number behind that of the last scan.
+    // The number after that of the last scan.
     end: &'a Cell<Option<u64>>,
 }
 
 impl<'a> ScanEvents<'a> {
-    /// Of what happens in `datasets`, also under `protocols` of others, and sets `end` to the number after that of the
-    /// last scan.
+    /// Logs the scans of `datasets`, also under `protocols` of others, and sets `end` to the number after that of the last
+    /// scan.
     pub fn new(
         log: &'a RunLog<'a>,
         datasets: &'a [OpenedDataset],
         protocols: &[Protocol],
         end: &'a Cell<Option<u64>>,
     ) -> Self {
-        // What opening a data set left out is reported again when it is opened again.
+        // Scans that are left out when a data set is opened are reported whenever it is opened again.
         let n_skipped = datasets.iter().map(|it| it.skipped.borrow().len()).collect();
         Self {
             log,
@@ -69,7 +69,7 @@ impl<'a> ScanEvents<'a> {
         self.official.as_mut().map_or(Ok(OfficialRows::default()), |it| it.rows(judged))
     }
 
-    /// What the sensor saw around the mistakes that are worse than those before, and the matches that are better.
+    /// Patches around the mistakes that are worse than those before, and the matches that are better.
     fn patches(&mut self, judged: &JudgedScan<'_>) -> Vec<Patch> {
         let cloud = &judged.results.scan.cloud;
         let sensor_height_m = judged.dataset().sensor_height_m;

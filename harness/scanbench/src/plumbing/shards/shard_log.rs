@@ -1,4 +1,4 @@
-//! Logs of shards: left by one, and read by `merge`.
+//! Logs of shards: each shard leaves one, and `merge` reads them.
 
 use std::io::Read as _;
 use std::path::{Path, PathBuf};
@@ -16,7 +16,7 @@ use serde::de::DeserializeOwned;
 use super::whole_manifest::Pieces;
 use crate::plumbing::failure::Failure;
 
-/// Gives the events of `journal` to `directory`, the shard that they are of.
+/// Leaves the events of `journal` as the log of the shard in `directory`.
 pub fn leave_log(journal: &Journal, directory: &RunDirectory) -> Result<ShardFile, Failure> {
     let path = directory.path_of(SHARD_LOG);
     add_name(journal.path(), &path).map_err(|source| ArchiveError::Write { path: path.clone(), source })?;
@@ -43,17 +43,17 @@ pub struct ShardLog<'a> {
     pub folder: PathBuf,
     /// The record of the shard in its manifest.
     pub record: &'a ShardRecord,
-    // `None` where it was closed and has a checksum.
+    // `None` for the log of a finished shard, which has a checksum.
     journal: Option<&'a Journal>,
 }
 
 impl<'a> ShardLog<'a> {
-    /// Of work that was just done, and whose `journal` is in `folder`.
+    /// The log of work that was just done, and whose `journal` is in `folder`.
     pub fn of_journal(folder: &Path, record: &'a ShardRecord, journal: &'a Journal) -> Self {
         Self { folder: folder.to_owned(), record, journal: Some(journal) }
     }
 
-    /// Of the shards at the paths that are their names, in this order of their indices.
+    /// The logs of `shards`, whose names are their paths, in this `order` of indices.
     pub fn in_order(shards: &'a [NamedShard], order: &[usize]) -> Vec<Self> {
         let log = |idx: &usize| {
             let NamedShard { name, manifest } = &shards[*idx];
@@ -62,12 +62,12 @@ impl<'a> ShardLog<'a> {
         order.iter().filter_map(log).collect()
     }
 
-    /// Whether it is of work in one piece.
+    /// Whether it is of work in one piece, or of a shard.
     pub fn pieces(&self) -> Pieces {
         if self.journal.is_some() { Pieces::One } else { Pieces::Shards }
     }
 
-    /// The shard is not as it was left.
+    /// The failure that the shard is not as it was left.
     pub fn damaged(&self, problem: impl Into<String>) -> Failure {
         Failure::damaged_run(&self.folder, problem.into())
     }
@@ -95,7 +95,7 @@ impl<'a> ShardLog<'a> {
         }
     }
 
-    /// The path of the log, which is as the shard left it.
+    /// The path of the log, after a check that it is as the shard left it.
     fn checked_path(&self) -> Result<PathBuf, Failure> {
         let Some(written) = &self.record.log else {
             return Err(self.damaged(format!(

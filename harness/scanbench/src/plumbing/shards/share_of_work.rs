@@ -10,16 +10,16 @@ use scans::dataset::scan_times::{ScanTime, scan_times};
 
 use crate::plumbing::open_datasets::OpenedDataset;
 
-/// What a shard has to do.
+/// Work of a shard.
 pub struct ShareOfWork {
-    /// By what the work was shared out.
+    /// Measure by which the work was cut.
     pub cut_by: WorkMeasure,
-    /// Its scans of each data set, of which nobody knows yet what is labelled.
+    /// Its scans of each data set; their labels are not counted yet.
     pub parts: Vec<ShardPart>,
 }
 
-/// Leaves of `datasets` the scans of `shard` to be run.
-pub fn take_share(datasets: &mut [OpenedDataset], shard: Shard) -> ShareOfWork {
+/// Cuts the parts of `datasets` that are run to the scans of `shard`.
+pub fn claim_share(datasets: &mut [OpenedDataset], shard: Shard) -> ShareOfWork {
     let sizes: Option<Vec<Vec<u64>>> = datasets.iter().map(file_sizes).collect();
     let cut_by = if sizes.is_some() { WorkMeasure::FileSizes } else { WorkMeasure::Scans };
     let times: Vec<Vec<ScanTime>> = datasets.iter().map(times_of_selected).collect();
@@ -48,7 +48,7 @@ pub fn take_share(datasets: &mut [OpenedDataset], shard: Shard) -> ShareOfWork {
     ShareOfWork { cut_by, parts }
 }
 
-/// Sizes of the files of the selected scans; `None` if one has none of its own.
+/// Sizes of the files of the selected scans; `None` if a scan has no file of its own.
 fn file_sizes(opened: &OpenedDataset) -> Option<Vec<u64>> {
     opened.scan_indices.iter().map(|it| opened.dataset.scan_n_bytes(*it)).collect()
 }

@@ -25,18 +25,18 @@ use crate::plumbing::standard_streams::print_diagnostic;
 /// A scheduler that ends a program waits this long for it, or longer: half a minute is usual.
 const GRACE: Duration = Duration::from_secs(25);
 
-/// The journal, in the folder of what is unfinished.
+/// The journal, in the folder of unfinished work.
 const JOURNAL: &str = "journal";
 
 /// Endings of the other files that are left there.
 const ENDINGS: [&str; 4] = ["csv", "json", "rrd", "mcap"];
 
-/// What decides the rows of a result: its `manifest`, without what may differ when it is continued, and `rules` that this
-/// lacks.
+/// Facts that decide the rows of a result: its `manifest`, without what may differ when it is continued, and `rules` that
+/// the manifest lacks.
 pub fn identity_of(manifest: &impl Serialize, rules: Value) -> JournalIdentity {
     let mut value = serde_json::to_value(manifest).expect("a manifest has text keys only");
     let identity = value.as_object_mut().expect("a manifest is an object");
-    // What other programs found is read when all is done.
+    // Peers are left out, too: their results are read when all is done.
     for passing in ["created", "argv", "machine"] {
         identity.remove(passing);
     }
@@ -50,7 +50,7 @@ pub fn identity_of(manifest: &impl Serialize, rules: Value) -> JournalIdentity {
     std::mem::take(identity)
 }
 
-/// Takes the parameters of detectors of others that do not take part out of a manifest.
+/// Removes the parameters of foreign detectors that do not take part from `manifest`.
 fn leave_out_idle_detectors(manifest: &mut JournalIdentity) {
     let names = |it: &Value| it["name"].as_str().map(str::to_owned);
     let taking_part: Vec<String> =
@@ -66,26 +66,26 @@ fn leave_out_idle_detectors(manifest: &mut JournalIdentity) {
 
 /// A result in the making: a shard, or all in one piece.
 pub struct UnfinishedWork {
-    // Removes the folder if nobody could go on with it. Invariant: before the folders around it, which `claimed` removes.
+    // Removes the folder of work that is not kept. Invariant: before the folders around it, which `claimed` removes.
     passing: Option<HiddenFolder>,
-    /// What it leaves for now.
+    /// Folder of its files until there is a result.
     pub folder: PathBuf,
-    /// What it has done so far.
+    /// Events of the work that is done so far.
     pub journal: Journal,
     /// Where the result will be.
     pub claimed: ClaimedTarget,
-    // What it has, such as `60 scans`, and which part it is, such as `shard 3/8`.
+    // Extent, such as `60 scans`, and part, such as `shard 3/8`.
     extent: String,
     shard: Option<Shard>,
     is_named: bool,
 }
 
 impl UnfinishedWork {
-    /// Opens what there is in `output`, called after the data sets `ids` unless it is named, or begins it; `extent` says
-    /// what it has, such as `60 scans`. What was done before is handed to `on_event`, which says
-    /// whether it can be of this work.
+    /// Opens the unfinished work in `output`, called after the data sets `ids` unless it is named, or begins it; `extent` is
+    /// what it has, such as `60 scans`. Events that were done before go to `on_event`, which returns whether they can be of
+    /// this work.
     ///
-    /// A shard takes its time from now on when it is asked to end.
+    /// From now on, a shard that is asked to end has `GRACE` for it.
     pub fn open<Event: DeserializeOwned>(
         mut output: WorkOutput,
         ids: &str,
@@ -112,7 +112,7 @@ impl UnfinishedWork {
         let had_journal = folder.join(JOURNAL).is_file();
         let journal = Journal::open(&folder.join(JOURNAL), kind, identity, other, on_event);
         if journal.is_err() && !had_journal {
-            // Nobody could continue from a journal that the disk does not take.
+            // Work cannot be continued from a journal that the disk does not take.
             let _ = std::fs::remove_file(folder.join(JOURNAL)).and_then(|()| std::fs::remove_dir(&folder));
         }
         let journal = journal?;
@@ -139,8 +139,7 @@ impl UnfinishedWork {
         print_diagnostic(format_args!("Continuing with {done} from {}", self.folder.display()));
     }
 
-    /// Returns `failure`, after printing how the work can be continued. Work in a directory that nobody has named leaves
-    /// nothing.
+    /// Returns `failure`, after printing how the work can be continued. Work that is not kept leaves nothing.
     pub fn ended_by(self, failure: Failure) -> Failure {
         if self.passing.is_none() {
             print_diagnostic(self.how_to_go_on());
@@ -167,7 +166,7 @@ impl UnfinishedWork {
         self.shard.is_none()
     }
 
-    /// The journal of a shard, and of work that can be continued; `None` of work in a directory without a name.
+    /// The journal of a shard, and of work that can be continued; `None` for other work.
     pub fn kept_journal(&self) -> Option<&Journal> {
         (self.passing.is_none() || self.shard.is_some()).then_some(&self.journal)
     }
@@ -177,30 +176,30 @@ impl UnfinishedWork {
         format!("Shard {}: {}", self.shard.unwrap_or(Shard::ONLY), self.extent)
     }
 
-    /// Whether there is anything to go on with.
+    /// Whether there is anything to continue from.
     pub fn is_begun(&self) -> bool {
         self.journal.n_entries() > 0
     }
 
-    /// The path of the result, and what is to be removed once that is there.
-    pub fn into_parts(self) -> (ClaimedTarget, Remains) {
+    /// The path of the result, and the files that are to be removed once that is there.
+    pub fn into_parts(self) -> (ClaimedTarget, KeptFiles) {
         let Self { folder, journal, claimed, passing, .. } = self;
-        (claimed, Remains { folder, journal, passing })
+        (claimed, KeptFiles { folder, journal, passing })
     }
 
-    /// `failure`, after all of it was removed: there is nothing to go on with.
+    /// Returns `failure`, after removing all of the work: there is nothing to continue from.
     pub fn discarded_by(self, failure: Failure) -> Failure {
-        let (claimed, remains) = self.into_parts();
-        remains.clear();
+        let (claimed, kept) = self.into_parts();
+        kept.clear();
         // Removes the folders that were made for it.
         drop(claimed);
         failure
     }
 
-    /// Leaves its files beside the directory, but nothing to go on with, and returns where they are.
+    /// Leaves its files beside the directory, but no journal to continue from, and returns their folder.
     pub fn leave_files(self) -> Result<PathBuf, Failure> {
         let kept = kept_beside(&self.claimed);
-        let (claimed, Remains { folder, journal, passing }) = self.into_parts();
+        let (claimed, KeptFiles { folder, journal, passing }) = self.into_parts();
         set_last_words(String::new());
         drop(journal);
         if passing.is_none() {
@@ -216,21 +215,21 @@ impl UnfinishedWork {
     }
 }
 
-/// The folder of what is kept beside a directory until that is there.
+/// The folder of unfinished work, beside the directory of its result.
 fn kept_beside(claimed: &ClaimedTarget) -> PathBuf {
     let mut folder = claimed.target().as_os_str().to_owned();
     folder.push(".unfinished");
     folder.into()
 }
 
-/// Makes the folder `kept` unless it is there. One that is a link may lead to what is none of ours.
+/// Makes the folder `kept` unless it is there. A link is refused: it may lead to a folder that is none of ours.
 fn make_beside(claimed: &ClaimedTarget, kept: &Path) -> Result<(), ArchiveError> {
     let beside = claimed.target().parent().unwrap_or(Path::new(""));
     let made = make_folder(beside, kept.file_name().unwrap_or_default());
     made.map(|_| ()).map_err(|source| ArchiveError::Write { path: kept.to_owned(), source })
 }
 
-/// Removes what programs that were killed did not complete. Only who has the journal writes to `folder`.
+/// Removes files that killed programs did not complete. Only the program that has the journal writes to `folder`.
 fn remove_leftovers(folder: &Path) {
     let entries = std::fs::read_dir(folder).into_iter().flatten().flatten();
     for path in entries.filter(|it| is_unfinished_file(&it.file_name())).map(|it| it.path()) {
@@ -247,23 +246,22 @@ fn names_of_results(folder: &Path) -> Vec<OsString> {
     entries.map(|it| it.file_name()).filter(has_ending).collect()
 }
 
-/// What work has left beside its result.
-pub struct Remains {
+/// Files that work has left beside its result.
+pub struct KeptFiles {
     /// The folder.
     pub folder: PathBuf,
-    /// What was done.
+    /// Events of the work that was done.
     pub journal: Journal,
     passing: Option<HiddenFolder>,
 }
 
-impl Remains {
-    /// Whether its folder is that of this program alone, and goes with it.
+impl KeptFiles {
+    /// Whether its folder is that of this program alone, and is removed with it.
     pub fn is_passing(&self) -> bool {
         self.passing.is_some()
     }
 
-    /// Removes the journal and files with the endings of results. Other files that somebody has put into the folder stay,
-    /// and the folder with them.
+    /// Removes the journal and files with the endings of results. Other files in the folder stay, and the folder with them.
     pub fn clear(self) {
         let Self { folder, journal, passing } = self;
         set_last_words(String::new());
@@ -283,7 +281,7 @@ impl Remains {
     }
 }
 
-/// The result is there: what cannot be removed is only in the way.
+/// Warns if `path` could not be removed. The result is there: the file is only in the way.
 fn remove(removed: std::io::Result<()>, path: &Path) {
     if let Err(error) = removed {
         print_diagnostic(format_args!("warning: cannot remove {}: {error}", path.display()));

@@ -17,13 +17,13 @@ use reports::vocabulary::study::Study;
 use serde_json::{Value, json};
 
 use super::detection_look::DetectionLook;
-use super::executor::{Made, SharedWork, execute};
+use super::executor::{Finished, SharedWork, execute};
 use super::run_event::{EventProgress, RunEvent};
 use super::run_log::{EventsMade, RunLog};
 use super::run_rows::RunRows;
 use super::scan_events::ScanEvents;
-use super::share_of_work::{ShareOfWork, take_share};
-use super::unfinished_work::{Remains, UnfinishedWork};
+use super::share_of_work::{ShareOfWork, claim_share};
+use super::unfinished_work::{KeptFiles, UnfinishedWork};
 use super::whole_run::WholeRun;
 use super::work_output::WorkOutput;
 use crate::plumbing::failure::Failure;
@@ -36,49 +36,49 @@ use crate::plumbing::sinks::terminal::Terminal;
 use crate::plumbing::standard_streams::print_diagnostic;
 use crate::plumbing::watched_run::WatchedRun;
 
-/// What goes over data sets scan by scan and is made of the rows of a run.
+/// A study that goes over data sets scan by scan, and is made of the rows of a run.
 pub trait WatchedStudy {
     /// The data sets.
     fn datasets(&self) -> &[OpenedDataset];
 
-    /// The same, to be cut.
+    /// The data sets, to be cut.
     fn datasets_mut(&mut self) -> &mut [OpenedDataset];
 
-    /// How it comes about.
+    /// Its manifest.
     fn manifest(&self) -> Manifest;
 
-    /// What decides rows beside all that the manifest says; nothing of studies.
+    /// Facts that decide the rows and that the manifest lacks; null for all but `scanbench run`.
     fn rules(&self) -> Value {
         Value::Null
     }
 
-    /// How it goes over the data sets.
+    /// The run over its data sets.
     fn watched<'a>(&'a self, progress: &'a RunProgress) -> WatchedRun<'a>;
 
-    /// Begins the recording `file`, which is called `name`, of every so many scans; `None` if none is wanted, as of studies.
+    /// Begins the recording `file`, called `name`, and returns it with the n of one scan in n; `None` if none is wanted.
     fn begin_recording(&self, _name: &str, _file: PathBuf) -> Result<Option<(Recorder, u64)>, Failure> {
         Ok(None)
     }
 
-    /// What else watches all scans, and may leave files in `folder` that belong to the result.
+    /// Other sinks of all scans, which may leave files in `folder` that belong to the result.
     fn sinks<'a>(&'a self, _folder: &'a Path) -> Result<Sinks<'a, Failure>, Failure> {
         Ok(Vec::new())
     }
 
-    /// Whether one of these has to see all scans at once. Then nothing is kept to go on with.
+    /// Whether one of these has to see all scans at once. Then nothing is kept to continue from.
     fn sees_all(&self) -> bool {
         false
     }
 }
 
-/// A run in one piece, or a study that is one, with what still serves its recording.
-pub type MadeRun = (Made<WholeRun>, Option<Box<dyn Served>>);
+/// A run in one piece, or a study that is one, with the server that still serves its recording.
+pub type FinishedRun = (Finished<WholeRun>, Option<Box<dyn Served>>);
 
-/// Makes `study` in `output`: a shard is left there for `merge`, and all in one piece is handed back.
+/// Makes `study` in `output`: a shard is left there for `merge`, and a result in one piece is returned.
 pub fn execute_watched(
     study: &mut impl WatchedStudy,
     output: WorkOutput,
-) -> Result<Option<MadeRun>, Failure> {
+) -> Result<Option<FinishedRun>, Failure> {
     let mut work = Watched {
         study,
         progress: EventProgress::default(),
@@ -95,7 +95,7 @@ struct Watched<'a, S> {
     study: &'a mut S,
     progress: EventProgress,
     made: EventsMade,
-    // The number behind that of the last scan that was judged now.
+    // The number after that of the last scan that was judged now.
     end: Cell<Option<u64>>,
     served: Option<Box<dyn Served>>,
 }
@@ -104,8 +104,8 @@ impl<S: WatchedStudy> SharedWork for Watched<'_, S> {
     type Event = RunEvent;
     type Whole = WholeRun;
 
-    fn take_share(&mut self, shard: Shard) -> ShareOfWork {
-        take_share(self.study.datasets_mut(), shard)
+    fn claim_share(&mut self, shard: Shard) -> ShareOfWork {
+        claim_share(self.study.datasets_mut(), shard)
     }
 
     fn manifest(&self, shard: Option<ShardRecord>) -> Manifest {
@@ -118,7 +118,7 @@ impl<S: WatchedStudy> SharedWork for Watched<'_, S> {
         let models = compared_detectors.iter().filter_map(|it| it.config.vehicle_models.as_ref());
         json!({
             "of_study": self.study.rules(),
-            // Beyond the names of their directories.
+            // The models themselves, beyond the names of their directories.
             "vehicle_models": models.map(VehicleModels::identity).collect::<Vec<_>>(),
         })
     }
@@ -150,7 +150,7 @@ impl<S: WatchedStudy> SharedWork for Watched<'_, S> {
         (n_done > 0).then(|| format!("{n_done} of {} scans", self.n_scans()))
     }
 
-    fn go_on(&mut self, unfinished: &UnfinishedWork, record: &ShardRecord) -> Result<(), Failure> {
+    fn resume(&mut self, unfinished: &UnfinishedWork, record: &ShardRecord) -> Result<(), Failure> {
         if unfinished.is_in_one_piece() {
             self.made.rows = Some(self.rows_so_far(unfinished, record.clone())?);
         }
@@ -164,14 +164,14 @@ impl<S: WatchedStudy> SharedWork for Watched<'_, S> {
 
     fn ended_by(&mut self, failure: Failure, unfinished: UnfinishedWork) -> Failure {
         let has_scans = self.progress.n_scans > 0 || self.end.get().is_some();
-        // Its files go before their folder.
+        // Its files are finished or removed before their folder.
         let rows = self.made.rows.take();
         match failure {
-            // The disk is full, or somebody needs the machine: the same command goes on.
+            // The disk is full, or the machine is needed: the same command continues.
             Failure::Interrupted(_) | Failure::Internal(_) | Failure::Unwritten(_) if has_scans => {
                 unfinished.ended_by(failure)
             }
-            // Whoever mends a detector starts again.
+            // After a detector is mended, the run starts again.
             Failure::Detector(_) if has_scans => leave_rows(rows, unfinished).err().unwrap_or(failure),
             failure => {
                 drop(rows);
@@ -190,7 +190,7 @@ impl<S: WatchedStudy> SharedWork for Watched<'_, S> {
     fn whole(
         &mut self,
         study: Study,
-        _: &Remains,
+        _: &KeptFiles,
         manifest: &Manifest,
         directory: &RunDirectory,
     ) -> Result<WholeRun, Failure> {
@@ -198,18 +198,18 @@ impl<S: WatchedStudy> SharedWork for Watched<'_, S> {
         WholeRun::in_one_piece(study, rows, manifest, directory)
     }
 
-    fn carry_over(
+    fn move_beside_files(
         &self,
-        remains: &Remains,
+        kept: &KeptFiles,
         manifest: &Manifest,
         directory: &RunDirectory,
     ) -> Result<(), Failure> {
         let recordings = manifest.shard.iter().flat_map(|it| &it.recordings);
         let recordings: Vec<&str> = recordings.map(|it| it.file.as_str()).collect();
-        for file in std::fs::read_dir(&remains.folder).into_iter().flatten().flatten() {
+        for file in std::fs::read_dir(&kept.folder).into_iter().flatten().flatten() {
             let (path, name) = (file.path(), file.file_name().to_string_lossy().into_owned());
-            // Only what sees all scans is written as MCAP. In a folder that is kept it would be that of a run before.
-            let is_mcap = remains.is_passing() && path.extension().is_some_and(|it| it == "mcap");
+            // Only a run that sees all scans writes MCAP. In a folder that is kept, such a file is of an earlier run.
+            let is_mcap = kept.is_passing() && path.extension().is_some_and(|it| it == "mcap");
             if is_mcap || recordings.contains(&name.as_str()) {
                 let to = directory.path_of(&name);
                 add_name(&path, &to).map_err(|source| ArchiveError::Write { path: to, source })?;
@@ -275,7 +275,7 @@ impl<S: WatchedStudy> Watched<'_, S> {
     }
 }
 
-/// Leaves the rows of the scans before a failure, but nothing to go on with.
+/// Leaves the rows of the scans before a failure, but no journal to continue from.
 fn leave_rows(rows: Option<RunRows>, unfinished: UnfinishedWork) -> Result<(), Failure> {
     rows.map_or(Ok(()), |it| it.files.finish())?;
     let folder = unfinished.leave_files()?;

@@ -15,8 +15,7 @@ pub enum Pieces {
     Shards,
 }
 
-/// That of the whole in one piece which leaves it in `target`, with the list of shards, whose manifests `shards` are in
-/// order.
+/// The manifest of the whole, which is left in `target`, with the list of shards. `shards` are their manifests in order.
 pub fn merged_manifest(shards: &[&Manifest], target: &Path, pieces: Pieces) -> Manifest {
     let manifests = || shards.iter().copied();
     let mut whole = shards[0].clone();
@@ -43,7 +42,7 @@ pub fn merged_manifest(shards: &[&Manifest], target: &Path, pieces: Pieces) -> M
         entry.skipped_scans = skipped;
     }
     for (detector_idx, entry) in whole.detectors.iter_mut().enumerate() {
-        // Who had no scan to look at did not introduce itself.
+        // A program that had no scan to look at did not introduce itself.
         let introduced = manifests().map(|it| &it.detectors[detector_idx]);
         let introduced =
             { introduced }.find(|it| it.foreign.as_ref().is_some_and(|it| it.reported_name.is_some()));

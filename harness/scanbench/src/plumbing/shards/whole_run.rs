@@ -30,7 +30,7 @@ use crate::plumbing::watched_run::{Labels, report_nothing_to_find};
 
 /// A run in which all scans are judged, and which is written.
 pub struct WholeRun {
-    /// All that is said about it.
+    /// Facts about it.
     pub facts: RunFacts,
     /// Tables that are printed beside those of tasks.
     pub more: Vec<String>,
@@ -115,7 +115,7 @@ impl WholeRun {
     }
 }
 
-/// Refuses a scan that a shard before has, too.
+/// Refuses a scan that an earlier shard has, too.
 fn refuse_twice(event: &RunEvent, rows: &RunRows, shard: &ShardLog<'_>) -> Result<(), Failure> {
     let RunEvent::Scan(scan) = event else { return Ok(()) };
     let Some(ScanRow { dataset, sequence, scan, .. }) = scan.scans.first() else { return Ok(()) };
@@ -134,8 +134,8 @@ fn points_of(worst: &WorstObjects<Surroundings>) -> WorstPoints {
     WorstPoints::of_patches(objects.map(patch).collect())
 }
 
-/// Where the worst mistakes are recorded, unless one recording in `run.rrd` has all: of that the number of the scan says
-/// enough.
+/// Recordings of the worst mistakes; `None` if one recording in `run.rrd` has all, where the number of the scan says enough,
+/// or if none are recorded.
 fn recordings_of(
     worst: &WorstObjects<Surroundings>,
     shards: &[ShardRecord],
@@ -175,7 +175,7 @@ fn labels_of(manifest: &Manifest, id: &str) -> Labels {
     }
 }
 
-/// What a run in one piece says of data sets in which nothing is to be found.
+/// Reports data sets in which nothing is to be found, as a run in one piece does.
 fn refuse_nothing(study: Study, manifest: &Manifest, tally: &Tally) -> Result<(), Failure> {
     for entry in &manifest.datasets {
         let counts = |task: &Task, detector: &String| tally.counts(&entry.id, *task, detector);

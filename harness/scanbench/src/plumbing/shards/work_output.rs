@@ -19,18 +19,17 @@ use crate::plumbing::run_directory::{claim_named, claim_unnamed};
 pub struct WorkOutput {
     /// The verb.
     pub study: Study,
-    /// Which part; `None` of all in one piece.
+    /// Shard that is made; `None` for all in one piece.
     pub shard: Option<Shard>,
-    /// Whether what was begun there before is thrown away.
+    /// Whether earlier work there is thrown away.
     pub overwrites: bool,
     /// When it was begun.
     pub started: Timestamp,
-    /// Whether what is done is kept until there is a result: where somebody knows the directory, and of sweeps, which take
-    /// long.
+    /// Whether finished work is kept until there is a result: if the directory is named, and for sweeps, which take long.
     pub is_kept: bool,
     /// Whether the directory was named.
     pub is_named: bool,
-    // The directory that was named, of a shard that within the folder of all.
+    // The directory that was named; for a shard, its folder within that of all shards.
     named: Option<ClaimedTarget>,
 }
 
@@ -52,7 +51,7 @@ impl WorkOutput {
         Ok(claim_unnamed(self.named.take(), &name, latest)?)
     }
 
-    /// What the manifest says of a shard before it has done anything; all in one piece is the only shard.
+    /// Record of a shard in the manifest before it has done anything; all in one piece is the only shard.
     pub fn record(&self, share: ShareOfWork) -> ShardRecord {
         let shard = self.shard.unwrap_or(Shard::ONLY);
         ShardRecord {
@@ -60,7 +59,7 @@ impl WorkOutput {
             count: shard.count(),
             created: rfc3339_utc(self.started),
             study: self.study,
-            // Shards are made by copies of the program; who goes on has the same file.
+            // Copies of the program make shards; work in one piece is continued by the same file.
             program: if self.shard.is_some() { program_checksum() } else { program_stamp() },
             cut_by: share.cut_by,
             parts: share.parts,
@@ -71,7 +70,7 @@ impl WorkOutput {
     }
 }
 
-/// Refuses options that shards would have to share, or that have no end; nothing if it is no `shard`.
+/// Refuses options that shards would have to share, or that have no end. Without `shard`, nothing is refused.
 pub fn refuse_what_is_for_whole_runs(shard: Option<Shard>, stream: &StreamArgs) -> Result<(), Usage> {
     let problem = match (shard, stream) {
         (Some(_), StreamArgs { save_rrd: Some(Some(_)), .. }) => {
@@ -104,7 +103,7 @@ fn claim_for_shard(shard: Shard, output: &OutputArgs) -> Result<ClaimedTarget, F
     Ok(claim_named(&of_shard)?.ok_or_else(no_folder)?)
 }
 
-/// The name of a directory that nobody has named, and whether `latest` points at it.
+/// The name of a directory if the user gave none, and whether `latest` points at it.
 pub fn unnamed(study: Study, ids: &str, started: Timestamp) -> (String, LatestPointer) {
     let (verb, now) = (study.name(), compact_utc(started));
     match study {
@@ -114,7 +113,7 @@ pub fn unnamed(study: Study, ids: &str, started: Timestamp) -> (String, LatestPo
     }
 }
 
-/// What the shard in `directory` says of itself; `None` if there is none that can be read.
+/// The record of the shard in `directory`; `None` if there is none that can be read.
 pub fn finished_shard(directory: &Path) -> Option<ShardRecord> {
     Manifest::read(&directory.join(MANIFEST_JSON)).ok()?.shard
 }

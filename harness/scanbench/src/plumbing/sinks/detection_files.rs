@@ -1,4 +1,4 @@
-//! `--detections-out`: what the detectors found, in the files of other people's evaluators.
+//! `--detections-out`: detections in the files of other people's evaluators.
 
 use evaluation::run::sink::{JudgedScan, RunSink, WatchedDataset};
 use scans::conversion::results::result_folder::ResultFolder;
@@ -35,7 +35,7 @@ impl RunSink<Failure> for DetectionFiles {
         Ok(self.0.end_dataset()?)
     }
 
-    /// The folder would look whole.
+    /// Leaves no folder: it would look whole.
     fn break_off(self: Box<Self>) -> Result<(), Failure> {
         Ok(())
     }

@@ -17,7 +17,7 @@ pub struct McapResults<'a> {
 }
 
 impl<'a> McapResults<'a> {
-    /// None yet; those of `n_datasets` will be in `folder`.
+    /// Begins without a recording; those of `n_datasets` data sets will be in `folder`.
     pub fn new(folder: &'a Path, n_datasets: usize) -> Self {
         Self { folder, n_datasets, recording: None }
     }

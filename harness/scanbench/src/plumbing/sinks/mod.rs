@@ -1,4 +1,4 @@
-//! What watches a run beside its rows, a file each.
+//! Sinks of a run beside its rows, a file each.
 
 pub mod plan_cells;
 pub mod terminal;

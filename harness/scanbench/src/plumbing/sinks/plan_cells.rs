@@ -1,4 +1,4 @@
-//! What the sensor saw around a position, as cells of a ground plan.
+//! Cells of a ground plan that hold points around a position.
 
 use std::collections::BTreeMap;
 
@@ -9,7 +9,7 @@ use reports::worst::points::{PLAN_CELL_M, PlanCells, RAISED_M};
 /// The cells of `window` that hold points of `cloud`, which was recorded `sensor_height_m` above the road.
 pub fn plan_cells(cloud: &PointCloud, window: &PlanWindow, sensor_height_m: f32) -> PlanCells {
     let raised_z_m = RAISED_M - sensor_height_m;
-    // Of every cell, whether something stands in it.
+    // By cell, whether something stands in it.
     let mut cells: BTreeMap<[i32; 2], bool> = BTreeMap::new();
     for [x_m, y_m, z_m] in cloud.positions_m() {
         // A point that is not a number is in no window.

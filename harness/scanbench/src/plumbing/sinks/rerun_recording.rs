@@ -15,7 +15,7 @@ pub struct RerunRecording<'a> {
 }
 
 impl<'a> RerunRecording<'a> {
-    /// Records with `recorder`, and leaves in `served` what still serves the recording in the end.
+    /// Records with `recorder`, and leaves in `served` the server that still serves the recording in the end.
     pub fn new(recorder: Recorder, progress: &RunProgress, served: &'a mut Option<Box<dyn Served>>) -> Self {
         Self { recorder, progress: progress.clone(), served }
     }

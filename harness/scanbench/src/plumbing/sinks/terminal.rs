@@ -1,4 +1,4 @@
-//! How far a run is and, for those who want to know, what came of each scan.
+//! Progress of a run and, with `--verbose`, a line for each scan.
 
 use std::fmt::Write as _;
 use std::time::Duration;
@@ -39,7 +39,7 @@ impl RunSink<Failure> for Terminal {
     }
 }
 
-/// Of every detector the time, its longest stage, and the number of detections.
+/// A line with the time, the longest stage and the number of detections of each detector.
 fn scan_line(judged: &JudgedScan<'_>) -> String {
     let results = judged.results;
     let scan = results.scan;

@@ -39,7 +39,7 @@ pub fn data_add(arguments: &AddArgs) -> Result<(), Failure> {
     }
     let entry = entry(&id, &opened, arguments);
     let text = format!("{}\n\n{entry}", text.trim_end());
-    // What is added is an entry.
+    // The entry must leave a catalogue that can be read.
     parse_catalogue::<StreetDrive>(&name, &text)?;
     let mut file = WholeFile::create(path)?;
     file.write_all(text.as_bytes()).map_err(|error| Failure::of_writing(error.kind(), error))?;
@@ -49,7 +49,7 @@ pub fn data_add(arguments: &AddArgs) -> Result<(), Failure> {
 
 const HEAD: &str = "# A catalogue of data sets for `scanbench --catalogue`.\n";
 
-/// The data set at the path, whatever the catalogue calls so, after its first scans were looked at.
+/// The data set at the path, even if the catalogue has one of that name, after a look at its first scans.
 fn open(arguments: &AddArgs) -> Result<OpenedDataset, Failure> {
     let mut source = arguments.source.clone();
     source.catalogue = CatalogueArgs { catalogue: None };

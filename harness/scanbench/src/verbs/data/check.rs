@@ -46,7 +46,7 @@ pub fn data_check(arguments: &CheckArgs) -> Result<(), Failure> {
         if let Some(labels) = look.labels {
             report.add_label_look(&labels);
         }
-        // Of a part of the scans only this part is looked at.
+        // If only some of the scans are chosen, nothing else is looked at.
         let is_whole = damage.is_none() && opened.scan_indices.len() == opened.dataset.scan_ids().len();
         if is_whole {
             match opened.dataset.oddities() {
@@ -58,7 +58,7 @@ pub fn data_check(arguments: &CheckArgs) -> Result<(), Failure> {
         first_damage = first_damage.or(damage);
     }
     match first_damage {
-        // Names that nobody knows are no damage: they are to be said, not skipped.
+        // Unknown names are no damage: they are reported, not skipped.
         Some(error) if arguments.damage.policy() == DamagePolicy::Refuse || error.is_usage_error() => {
             Err(error.into())
         }

@@ -75,7 +75,7 @@ fn format_of(arguments: &ConvertArgs, n_datasets: usize) -> Result<OutputFormat,
     }
 }
 
-/// Makes the folder that several data sets go to; it goes again if none does.
+/// Makes the folder for several data sets; it is removed again if none is written.
 pub fn folder_of_several(folder: &Path) -> Result<NewFolders, ConversionError> {
     NewFolders::create(folder).map_err(|source| ConversionError::Write { path: folder.to_path_buf(), source })
 }

@@ -92,7 +92,7 @@ fn not_accepted(id: &str, entry: &CatalogueEntry) -> Usage {
     Usage(format!("{id:?} has a licence. {}. If you accept it, add --accept-licence", licence_of(entry)))
 }
 
-/// Its name, its page, and the page of the data.
+/// Name and page of the licence, and the page of the data.
 fn licence_of(entry: &CatalogueEntry) -> String {
     let name = entry.licence.as_deref().unwrap_or("not named in the catalogue");
     let page = entry.licence_url.as_ref().map_or_else(String::new, |it| format!(", {it}"));

@@ -73,7 +73,7 @@ fn with_checksum(text: &str, id: &str, checksum: &str) -> Option<String> {
 
 fn write(path: &Path, text: &str) -> Result<(), Failure> {
     use std::io::Write as _;
-    // What was edited is still a catalogue.
+    // The edited text must still be a catalogue.
     parse_catalogue::<StreetDrive>(&path.display().to_string(), text)?;
     let mut file = WholeFile::create(path)?;
     file.write_all(text.as_bytes()).map_err(|error| Failure::of_writing(error.kind(), error))?;

@@ -37,7 +37,7 @@ pub fn data_list(arguments: &CatalogueArgs) -> Result<(), Failure> {
     Ok(())
 }
 
-/// Prints what there is to say of `name`, folded beside the column of names, which is `width` wide.
+/// Prints `text` about `name`, folded beside the column of names, which is `width` wide.
 fn print_entry(name: &str, width: usize, text: &str) -> Result<(), Failure> {
     let room = result_width().saturating_sub(width + 2).max(20);
     let mut lines = vec![String::new()];

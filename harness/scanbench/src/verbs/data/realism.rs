@@ -60,7 +60,7 @@ pub fn data_realism(arguments: &RealismArgs) -> Result<(), Failure> {
     )
 }
 
-/// How the other side is opened. What is said of the simulator is for the side that is judged.
+/// Arguments that open the other side. Options of the simulator are for the side that is judged.
 fn against(arguments: &RealismArgs) -> DatasetArgs {
     DatasetArgs {
         datasets: vec![arguments.against.clone()],
@@ -100,7 +100,7 @@ fn survey_all(side: &[OpenedDataset], interrupted: &AtomicBool) -> Result<Vec<Su
     Ok(scans)
 }
 
-/// What is measured, whether it is simulated, and of how many scans.
+/// Ids of the data sets of a side, whether they are simulated, and the number of scans.
 fn name_of(side: &[OpenedDataset]) -> String {
     let descriptions = || side.iter().map(|it| it.dataset.description());
     let ids: Vec<&str> = descriptions().map(|it| it.id.as_str()).collect();

@@ -1,4 +1,4 @@
-//! What `scanbench partial` does with a set of objects: who judges, and what others said of it.
+//! The experiment of `scanbench partial` on a set of objects, and predictions of other people's programs.
 
 use detector::partial::partial_params::PartialParams;
 use evaluation::partial::experiment::{Knowledge, ObjectsOf, PartialExperiment, PartialExperimentError};
@@ -41,7 +41,7 @@ pub fn with_experiment<T>(
     })
 }
 
-/// What other people's programs predicted the same objects to be.
+/// Predictions of other people's programs for the same objects.
 pub fn peer_rows(arguments: &PartialArgs, ours: &[PartialRow]) -> Result<Vec<PartialRow>, Failure> {
     let mut rows: Vec<PartialRow> = Vec::new();
     for peer in &arguments.peer_results {

@@ -1,4 +1,4 @@
-//! What `scanbench partial` leaves behind.
+//! Files of `scanbench partial`.
 
 use std::collections::BTreeMap;
 
@@ -33,7 +33,7 @@ use crate::verbs::partial::sets::{Compared, Known, trained_on};
 /// The largest file of rows of a peer, in bytes.
 const MOST_OF_ROWS: u64 = 1 << 32;
 
-/// How the result came about.
+/// The manifest of the result.
 pub fn manifest(arguments: &PartialArgs, sets: &[Compared], started: Timestamp) -> Result<Manifest, Failure> {
     let of_set = |it: &Compared| PartialSet {
         judged: entry(&*it.judged),

@@ -1,4 +1,4 @@
-//! Which objects `scanbench partial` records as they grow.
+//! Objects that `scanbench partial` records as they grow.
 
 use std::sync::Arc;
 

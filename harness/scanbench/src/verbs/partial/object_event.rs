@@ -14,7 +14,7 @@ use crate::plumbing::failure::Failure;
 pub enum ObjectEvent {
     /// A method has classified an object.
     Answer(Answer),
-    /// All methods have classified all objects, and other people's programs said this of them.
+    /// All methods have classified all objects, and these are the predictions of other people's programs.
     Peers {
         /// Rows of `partial.csv`.
         #[serde(with = "csv_text")]
@@ -22,7 +22,7 @@ pub enum ObjectEvent {
     },
 }
 
-/// What one method said of an object.
+/// Answer of one method for an object.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Answer {
@@ -49,7 +49,7 @@ impl ObjectRows {
     pub fn add(&mut self, event: ObjectEvent) {
         match event {
             ObjectEvent::Answer(answer) => self.answers.push(answer),
-            // Who was interrupted right before the end asks them again.
+            // Work that was interrupted right before the end asks them again.
             ObjectEvent::Peers { rows } => self.peers = rows,
         }
     }

@@ -1,4 +1,4 @@
-//! The objects of `scanbench partial`, and what is known of others.
+//! The objects of `scanbench partial`, and the sources of what methods know.
 
 use std::path::Path;
 use std::sync::Arc;
@@ -15,24 +15,24 @@ use crate::cli::{LearnedFrom, PartialArgs};
 use crate::plumbing::failure::{Failure, Usage};
 use crate::plumbing::object_sets::{ObjectOpening, refuse_idle_options};
 
-/// Objects that are judged, with what is known of others.
+/// Objects that are judged, and the source of what methods know.
 pub struct Compared {
     /// The objects.
     pub judged: Box<dyn ObjectCloudSet>,
-    /// What is known.
+    /// Source of what methods know.
     pub known: Known,
 }
 
-/// Where methods have what they know from.
+/// Source of what methods know.
 pub enum Known {
     /// They learn from these objects.
     Objects {
         /// The objects.
         training: Box<dyn ObjectCloudSet>,
-        /// Whether they are the recorded ones that are judged, too: half of them are learned from.
+        /// Whether they are the recorded ones that are judged, too: then half of them are learned from.
         are_same: bool,
     },
-    /// A model has learned before.
+    /// A trained model.
     Model(Arc<PartialModel>),
 }
 
@@ -76,7 +76,7 @@ fn read_model(path: &Path) -> Result<PartialModel, Failure> {
     PartialModel::from_bytes(&bytes).map_err(|error| Failure::usage(cannot(), error))
 }
 
-/// What methods learn from, in turn.
+/// Whether methods learn from whole objects, from their parts or from drives; if from several, in turn.
 pub fn trained_on(arguments: &PartialArgs) -> Vec<TrainedOn> {
     let parts = if arguments.drives { TrainedOn::Drives } else { TrainedOn::Parts };
     if arguments.trained_on.is_empty() {

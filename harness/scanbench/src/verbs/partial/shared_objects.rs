@@ -1,4 +1,4 @@
-//! How the objects of `scanbench partial` are shared out, and judged one after the other.
+//! Cuts the objects of `scanbench partial` into shards, and judges them one after the other.
 
 use std::collections::BTreeSet;
 use std::ops::Range;
@@ -25,7 +25,7 @@ use crate::plumbing::progress::progress_over_results;
 use crate::plumbing::recorder::{record_growths, records_growths};
 use crate::plumbing::shards::executor::SharedWork;
 use crate::plumbing::shards::share_of_work::ShareOfWork;
-use crate::plumbing::shards::unfinished_work::{Remains, UnfinishedWork};
+use crate::plumbing::shards::unfinished_work::{KeptFiles, UnfinishedWork};
 use crate::plumbing::shards::work_output::WorkOutput;
 use crate::verbs::partial::experiment::{peer_rows, with_experiment};
 use crate::verbs::partial::files::manifest;
@@ -34,7 +34,7 @@ use crate::verbs::partial::object_event::{Answer, ObjectEvent, answers_in};
 use crate::verbs::partial::sets::{Compared, Known, open_all};
 use crate::verbs::partial::whole_partial::WholePartial;
 
-/// Sets of objects, and what is to be done with them.
+/// Sets of objects to be judged, and how far that is.
 pub struct SharedObjects<'a> {
     arguments: &'a PartialArgs,
     sets: Vec<Compared>,
@@ -43,11 +43,11 @@ pub struct SharedObjects<'a> {
     ranges: Vec<Range<usize>>,
     // Pairs of a method and an object that are judged, of each set.
     done: Vec<BTreeSet<(usize, usize)>>,
-    // What our method has learned for each set, where objects are recorded as they grow.
+    // By set, the model that our method has learned, if objects are recorded as they grow.
     models: Vec<Option<Arc<PartialModel>>>,
 }
 
-/// Somebody asked for an end.
+/// The user asked for an end.
 #[derive(Debug, thiserror::Error)]
 #[error("interrupted after object {object_idx} of {set:?}")]
 pub struct Interrupted {
@@ -79,7 +79,7 @@ impl<'a> SharedObjects<'a> {
         self.ranges.iter().map(Range::len).sum()
     }
 
-    /// Adds what is missing of set `set_idx` to `journal`, and returns what our method learned where that is `wanted`.
+    /// Adds the missing answers of set `set_idx` to `journal`, and returns the model of our method if that is `wanted`.
     fn judge(
         &self,
         set_idx: usize,
@@ -117,7 +117,7 @@ impl SharedWork for SharedObjects<'_> {
     type Event = ObjectEvent;
     type Whole = WholePartial;
 
-    fn take_share(&mut self, shard: Shard) -> ShareOfWork {
+    fn claim_share(&mut self, shard: Shard) -> ShareOfWork {
         self.ranges = objects_of_shard(&self.sets, shard);
         ShareOfWork { cut_by: WorkMeasure::Objects, parts: parts(&self.sets, &self.ranges) }
     }
@@ -149,7 +149,7 @@ impl SharedWork for SharedObjects<'_> {
         (n_done > 0).then(|| format!("{n_done} of all objects of all methods"))
     }
 
-    fn go_on(&mut self, unfinished: &UnfinishedWork, _: &ShardRecord) -> Result<(), Failure> {
+    fn resume(&mut self, unfinished: &UnfinishedWork, _: &ShardRecord) -> Result<(), Failure> {
         let journal = &unfinished.journal;
         let wanted = unfinished.is_in_one_piece() && records_growths(self.arguments);
         for set_idx in 0..self.sets.len() {
@@ -167,7 +167,12 @@ impl SharedWork for SharedObjects<'_> {
         Ok(SharedWork::manifest(self, Some(record)))
     }
 
-    fn carry_over(&self, _: &Remains, manifest: &Manifest, directory: &RunDirectory) -> Result<(), Failure> {
+    fn move_beside_files(
+        &self,
+        _: &KeptFiles,
+        manifest: &Manifest,
+        directory: &RunDirectory,
+    ) -> Result<(), Failure> {
         let mut growths = Vec::new();
         for (set, model) in self.sets.iter().zip(&self.models) {
             if let Some(model) = model {
@@ -182,8 +187,8 @@ impl SharedWork for SharedObjects<'_> {
     }
 }
 
-/// That of the model that classifies the objects of all `sets`; `None` if that is learned anew. Of what was read, not of a
-/// file that may have changed since.
+/// Checksum of the model that classifies the objects of all `sets`; `None` if that is learned anew. It is of the model that
+/// was read, not of a file that may have changed since.
 fn checksum_of_model(sets: &[Compared]) -> Option<String> {
     sets.iter().find_map(|it| match &it.known {
         Known::Model(model) => Some(sha256(model.to_bytes())),
@@ -191,7 +196,7 @@ fn checksum_of_model(sets: &[Compared]) -> Option<String> {
     })
 }
 
-/// Names distinguish the rows of several sets when these are merged.
+/// Refuses sets of the same name: names distinguish the rows of several sets when these are merged.
 fn refuse_same_names(sets: &[Compared]) -> Result<(), Usage> {
     let mut names = BTreeSet::new();
     match sets.iter().map(|it| &it.judged.description().id).find(|it| !names.insert(*it)) {
@@ -237,7 +242,7 @@ mod tests {
         arguments: PartialArgs,
     }
 
-    /// What is said of `model`, whose file is gone once it was read.
+    /// Checksum of `model`, whose file is gone once it was read.
     fn checksum_of(model: &PartialModel) -> Option<String> {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("partial.model");

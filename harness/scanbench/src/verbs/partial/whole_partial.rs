@@ -1,4 +1,4 @@
-//! What all objects of `scanbench partial` come to, of the rows of shards.
+//! Result of all objects of `scanbench partial`, made of the rows of shards.
 
 use evaluation::partial::methods::OURS;
 use reports::files::csv_rows::{read_rows, to_csv_bytes};
@@ -15,7 +15,7 @@ use crate::plumbing::shards::whole_manifest::{Pieces, merged_manifest};
 use crate::verbs::partial::files::write_files;
 use crate::verbs::partial::object_event::ObjectRows;
 
-/// A result of which all files are written.
+/// A result whose files are all written.
 pub struct WholePartial {
     /// The table that is printed.
     pub printed: String,
@@ -49,7 +49,7 @@ impl WholeResult for WholePartial {
         }
         let rows = if pieces == Pieces::One { rows } else { in_order_of_whole(rows) };
         directory.write_file(PARTIAL_CSV, &to_csv_bytes(&rows)?)?;
-        // As they are written, with as many decimals: whoever has the file comes to the same numbers.
+        // As they are written, with as many decimals: the file leads to the same numbers.
         let rows: Vec<PartialRow> = read_rows(&directory.path_of(PARTIAL_CSV))?;
         let printed = write_files(directory, &manifest, &rows)?;
         PartialPage::of(directory.folder(), OURS)?.write(directory.folder())?;
@@ -57,7 +57,7 @@ impl WholeResult for WholePartial {
     }
 }
 
-/// Set by set, and of each what one method said of all objects after what another did. Shards have the sets and the methods
+/// Rows set by set, and within a set the answers of one method after those of another. Shards have the sets and the methods
 /// in the same order.
 fn in_order_of_whole(rows: Vec<PartialRow>) -> Vec<PartialRow> {
     let mut groups: Vec<Vec<PartialRow>> = Vec::new();

@@ -1,4 +1,4 @@
-//! What the classifier of vehicles does to each kind of background, and to vehicles.
+//! Answers of the classifier of vehicles for each kind of background, and for vehicles.
 
 use std::collections::BTreeMap;
 use std::sync::atomic::AtomicBool;

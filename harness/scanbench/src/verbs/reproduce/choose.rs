@@ -68,8 +68,8 @@ impl Tried {
     }
 }
 
-/// As many settings of `values` as `arguments` say, tried: half of them, rounded up, drawn, the others by a search from the
-/// best of these. The search may end before.
+/// Tries as many settings of `values` as `arguments` say: half of them, rounded up, are drawn, the others found by a search
+/// from the best of these. The search may end before.
 fn searched(
     values: &[OpenValue],
     arguments: &ReproduceArgs,

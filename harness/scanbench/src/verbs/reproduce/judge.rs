@@ -1,4 +1,4 @@
-//! What is seen of each claim.
+//! Judgement of each claim.
 
 use std::sync::atomic::AtomicBool;
 
@@ -31,22 +31,22 @@ use crate::plumbing::open_datasets::OpenedDataset;
 const LETTER: &str = "ν and γ as printed";
 const LETTER_DETECTOR: &str = "paper, ν and γ as printed";
 
-/// What was run and observed, to judge claims by.
+/// A run and observations that claims are judged by.
 pub struct Judge<'a> {
     tally: &'a Tally,
     report: &'a RunReport,
     leads: &'a LeadsOf<'a>,
     datasets: &'a [OpenedDataset],
     settings: Option<&'a SettingsStudy>,
-    // Of each criterion but the first: the method, then its rivals.
+    // For each criterion but the first: counts of the method, then of its rivals.
     by_criterion: CountedPoints,
     observed: Observations,
-    // None where the claims of BG are not judged.
+    // `None` if the claims of BG are not judged.
     objects: Option<PartialObjects>,
 }
 
 impl<'a> Judge<'a> {
-    /// Looks at the scans of `datasets`, of which `tally` and `report` are those of a run, for what a run does not show.
+    /// Observes the scans of `datasets` for what their run does not show; `tally`, `leads` and `report` are of that run.
     pub fn new(
         (tally, leads, report): (&'a Tally, &'a LeadsOf<'a>, &'a RunReport),
         config: &RunConfig,
@@ -188,12 +188,12 @@ impl<'a> Judge<'a> {
             basis: Basis::Text,
             numbers: numbers.collect::<Vec<_>>().join("; "),
             difference: String::new(),
-            // Who is behind leads nowhere the most.
+            // A method that is behind leads nowhere the most.
             holds: least.zip(most).map(|(least, most)| least > most.max(0.0)),
         }
     }
 
-    /// What the first data set is put together with: those of its origin.
+    /// The pool of the first data set: all those of its origin.
     fn pool(&self) -> Option<Pool> {
         let first = &self.datasets.first()?.dataset.description().id;
         self.tally.pools().into_iter().find(|it| it.datasets.contains(first))
@@ -275,7 +275,7 @@ impl<'a> Judge<'a> {
     }
 }
 
-/// The leads over the rival of `pair`, or over the stronger one where that leads by less: of the method in objects.
+/// The leads over the rival of `pair`. For objects and kd-tree, those over the stronger rival stand in where they are less.
 fn leads_over_all<'p>(pair: Pair<'p>, leads: impl Fn(Pair<'p>) -> Vec<SceneLead>) -> Vec<SceneLead> {
     let over_rival = leads(pair);
     if (pair.task, pair.rival) != (Task::Objects, RIVALS[0].0) {
@@ -289,7 +289,7 @@ fn leads_over_all<'p>(pair: Pair<'p>, leads: impl Fn(Pair<'p>) -> Vec<SceneLead>
     lesser.collect()
 }
 
-/// What is seen of `pair` after each of [`STEPS`], against all rivals and, of objects, against each of [`DENIED_RIVALS`]: by
+/// Readings of `pair` after each of [`STEPS`], against all rivals and, for objects, against each of [`DENIED_RIVALS`]: by
 /// basis, fewest steps first. Good faith is seen elsewhere.
 fn step_readings<'p>(pair: Pair<'p>, leads: impl Fn(Pair<'p>) -> Vec<SceneLead>) -> Vec<Seen> {
     let after = |step_idx: usize| Pair { method: STEPS[step_idx].detector, ..pair };
@@ -311,7 +311,7 @@ fn is_simulated(opened: &OpenedDataset) -> bool {
     opened.dataset.description().is_simulated()
 }
 
-/// Recorded and simulated scans are never put together: of scans alone, those of the first origin count.
+/// The first data sets, as far as they are of one origin: recorded and simulated scans are never put together.
 pub fn of_first_origin(datasets: &[OpenedDataset]) -> &[OpenedDataset] {
     let n_first = datasets.iter().take_while(|it| is_simulated(it) == is_simulated(&datasets[0])).count();
     &datasets[..n_first]

@@ -1,4 +1,4 @@
-//! What figures of the papers show of scans: of the first data set, and those of its origin.
+//! Observations of scans that figures of the papers show: of the first data set, and those of its origin.
 
 use std::sync::atomic::AtomicBool;
 
@@ -21,13 +21,13 @@ use super::settings_study::CountedPoints;
 use crate::plumbing::failure::Failure;
 use crate::plumbing::open_datasets::OpenedDataset;
 
-/// Rings of 1 m from here to there are looked at: nearer the vehicle itself is seen, farther hardly anything.
+/// Rings of 1 m between these ranges are looked at: nearer, the vehicle itself is seen, farther hardly anything.
 const RINGS_M: [f64; 2] = [5.0, 60.0];
 
 /// The reading of the papers under which all of this is seen.
 pub const GOOD_FAITH: &str = "good faith";
 
-/// What scans show.
+/// Observations of scans.
 pub struct Observations {
     // The method at each of [`CELL_SIZES_M`] from 0.3 to 1.2 m.
     by_cell_size: CountedPoints,
@@ -142,7 +142,7 @@ impl Observations {
         }
     }
 
-    /// HG Fig. 6 b: the cell size at which the F-rate is; `None` where false detections are not known.
+    /// HG Fig. 6 b: the cell size at which the F-rate is greatest; `None` where false detections are not known.
     pub fn peak_of_f_rate(&self, within_m: [f64; 2]) -> Option<Seen> {
         let all: Vec<usize> = (0..self.by_cell_size.n_datasets()).collect();
         let rate = |(idx, size_m): (usize, f32)| {
@@ -212,7 +212,7 @@ impl Observations {
     }
 }
 
-/// 0.6, and not what single precision makes of it.
+/// The size to two decimals, such as 0.6, without the error of single precision.
 fn rounded(size_m: f32) -> f64 {
     (f64::from(size_m) * 100.0).round() / 100.0
 }

@@ -1,4 +1,4 @@
-//! The run that the claims of the papers are judged by, and what is written of it.
+//! The run that the claims of the papers are judged by, and its files.
 
 use std::path::Path;
 
@@ -49,7 +49,7 @@ use crate::plumbing::shards::work_output::{WorkOutput, refuse_what_is_for_whole_
 use crate::plumbing::standard_streams::{print_diagnostic, print_result_in, terminal};
 use crate::verbs::{Cli, Command};
 
-/// The method with a part switched off, by what the claims call it.
+/// Variants of the method, by their names in the claims, each with the parameter that it sets.
 const VARIANTS: [(&str, &str); 3] = [
     ("paper, ν and γ as printed", super::settings_study::LETTER),
     ("paper, coarse level alone", "paper.separation.enabled=false"),
@@ -77,8 +77,8 @@ const CHOSEN_OF_RIVALS: [&str; 7] = [
 /// Scans that are recorded, unless more are asked for.
 const MOST_RECORDED: usize = 30;
 
-/// Runs the method, its variants and its rivals, judges the claims, and writes and prints what comes of them; or makes a
-/// shard of the run.
+/// Runs the method, its variants and its rivals, judges the claims, and writes and prints the results; or makes a shard of
+/// the run.
 pub fn papers_run(arguments: &ReproduceArgs) -> Result<(), Failure> {
     refuse_what_is_for_whole_runs(arguments.shard.shard, &arguments.stream)?;
     let output = WorkOutput::claim(Study::Reproduce, arguments.shard.shard, &arguments.output)?;
@@ -94,7 +94,7 @@ pub fn papers_run(arguments: &ReproduceArgs) -> Result<(), Failure> {
         n_warmup: arguments.timing.warmup,
         n_jobs: arguments.timing.n_jobs(),
         started: output.started,
-        put_up: None,
+        staged: None,
         recorded: Some((stream, &FIGURES)),
         pairs: None,
     };
@@ -112,7 +112,7 @@ pub fn papers_run(arguments: &ReproduceArgs) -> Result<(), Failure> {
     printed
 }
 
-/// Judges the claims by the run that shards came to, on the scans that their command names.
+/// Judges the claims by the merged run of shards, on the scans that their command names.
 pub fn merge_reproduction(whole: &WholeRun, directory: RunDirectory) -> Result<(), Failure> {
     let manifest = &whole.facts.manifest;
     let parsed = Cli::try_parse_from(&manifest.argv).map(|it| it.command);
@@ -136,7 +136,7 @@ pub fn open(arguments: &ReproduceArgs) -> Result<(RunConfig, Vec<OpenedDataset>)
     Ok((config, datasets))
 }
 
-/// Judges the claims by `whole`, and writes what comes of them into `directory`.
+/// Judges the claims by `whole`, and writes the results into `directory`.
 fn judge(
     arguments: &ReproduceArgs,
     config: &RunConfig,
@@ -229,7 +229,7 @@ const STEP_FILES: [&str; 2] = ["steps_objects", "steps_vehicles"];
 const LOSSES: [&str; 2] = ["Where objects are lost", "Where vehicles are lost"];
 const LOSS_FILES: [&str; 2] = ["losses_objects", "losses_vehicles"];
 
-/// What is written.
+/// Everything that is written.
 struct Written<'a> {
     arguments: &'a ReproduceArgs,
     claims: &'a [JudgedClaim],
@@ -346,7 +346,7 @@ fn settings_csv(sensitivity: &Sensitivity) -> Vec<u8> {
     csv_of_cells(names.chain(of_rates).collect(), rows)
 }
 
-/// What shows the same of a scan. Their titles say of which figure.
+/// Views of a scan that show the same as figures of the papers; their titles name the figures.
 const FIGURES: [FigureView; 7] = [
     view("HG figs. 1, 3: cells, façades as lines", "paper", stage::WALLS),
     view("HG fig. 3: without the Hough transform", "paper, no Hough transform", stage::BOXES),

@@ -1,4 +1,4 @@
-//! The method of BG, and what it says of objects that it sees more and more of.
+//! The method of BG on objects of which it sees more and more.
 
 use std::sync::atomic::{AtomicBool, Ordering};
 
@@ -20,7 +20,7 @@ use crate::verbs::partial::shared_objects::Interrupted;
 /// Objects that are scanned from all round, as `scanbench partial` has them by default.
 const OBJECTS: &str = "objects-around";
 
-/// What the method says of objects, by what it learned from and the end that they are seen from.
+/// Answers of the method about objects, by what it learned from and the end that they are seen from.
 pub struct PartialObjects {
     n_per_class: u32,
     curves: Vec<PartialCurve>,
@@ -65,7 +65,7 @@ impl PartialObjects {
         Ok(Self { n_per_class, curves: PartialCurve::all(&rows) })
     }
 
-    /// What is seen of `claim`: learned from whole objects first, as in the paper.
+    /// Readings of `claim`: learned from whole objects first, as in the paper.
     pub fn seen(&self, claim: PartialClaim) -> Vec<Seen> {
         let seen = |(idx, curve): (usize, &PartialCurve)| {
             let MeasuredClaim { holds, number } = claim.measured(curve);
@@ -77,7 +77,7 @@ impl PartialObjects {
         self.curves.iter().enumerate().map(seen).collect()
     }
 
-    /// What has to be said of it.
+    /// A note on how the claims were judged.
     pub fn note(&self) -> String {
         let n = self.n_per_class;
         format!(

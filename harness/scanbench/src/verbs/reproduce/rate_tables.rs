@@ -42,7 +42,7 @@ impl RateTables<'_> {
         Task::ALL.map(table).to_vec()
     }
 
-    /// The same by range and by number of points, over all scenes.
+    /// F-rates by range and by number of points, over all scenes.
     pub fn by_part(&self) -> Vec<RateTable> {
         let Some(pool) = self.tally.pools().into_iter().next() else { return Vec::new() };
         let table = |task: Task| {
@@ -104,7 +104,7 @@ impl RateTables<'_> {
         self.tally.detectors().iter().filter(|it| !apart.contains(&it.as_str())).cloned().collect()
     }
 
-    /// The data sets, and what is put together of them.
+    /// The data sets, and their pools if there are several.
     fn scenes(&self) -> Vec<String> {
         let mut scenes: Vec<String> = self.tally.datasets().to_vec();
         if scenes.len() > 1 {

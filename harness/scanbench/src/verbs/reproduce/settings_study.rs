@@ -18,7 +18,7 @@ use crate::plumbing::first_look::look_first_at_all;
 use crate::plumbing::open_datasets::{OpenedDataset, open_datasets};
 use crate::plumbing::progress::progress_over_scans;
 
-/// What makes the method one to the letter: printed constants where good faith has others.
+/// Setting of the method to the letter: printed constants where good faith has others.
 pub const LETTER: &str = "vehicle_model.paper_as_printed=true";
 
 /// Seed of the streets for development: nothing that is judged is looked at here.
@@ -29,7 +29,7 @@ const CRITERION: &str = "matching.criterion";
 
 /// Counts of detectors on data sets at points.
 pub struct CountedPoints {
-    /// Of each data set, of each point, of each detector.
+    /// By data set, point and detector.
     pub counts: Vec<Vec<Vec<TaskCounts>>>,
 }
 
@@ -78,7 +78,7 @@ impl CountedPoints {
     }
 }
 
-/// All settings, with what came of them.
+/// All settings, with their rates.
 pub struct SettingsStudy {
     /// The rates.
     pub sensitivity: Sensitivity,
@@ -106,13 +106,13 @@ pub fn points_by_criterion(config: &RunConfig) -> Result<Vec<SweepPoint>, Failur
     Ok(points.collect::<Result<_, _>>()?)
 }
 
-/// The streets for development, as simulated as what was asked for.
+/// The streets for development, with the number of simulated scans and the sensor that were asked for.
 fn development_streets(asked: &DatasetArgs) -> DatasetArgs {
     let mut data = asked.clone();
     data.datasets = vec![DEFAULT_DATASETS.to_owned()];
     data.scans = None;
     let SourceArgs { simulated_scans, sensor, .. } = asked.source.clone();
-    // What is said of recorded files, or of the simulator elsewhere, is not for these.
+    // Options about recorded files, or about the simulator elsewhere, are not for these.
     data.source = SourceArgs {
         topic: None,
         annotation_topic: None,

@@ -19,7 +19,7 @@ pub struct StepLosses {
 }
 
 impl StepLosses {
-    /// Those of the run in `directory`, of which `tally` is.
+    /// The mistakes of the run in `directory`, which `tally` is of.
     pub fn read(directory: &RunDirectory, tally: &Tally) -> Result<Self, ArchiveError> {
         let mut reasons = ReasonTally::default();
         each_row(&directory.folder().join(MATCHES_CSV), |row: MatchRow| reasons.add_match(&row))?;
@@ -33,7 +33,7 @@ impl StepLosses {
         Task::ALL.map(|task| self.table(task, STEPS.map(|it| it.detector).to_vec())).to_vec()
     }
 
-    /// What becomes of the objects to the letter, in good faith and after the last step: a figure for each task.
+    /// Losses of objects to the letter, in good faith and after the last step: a figure for each task.
     pub fn figures(&self) -> Vec<String> {
         let last = STEPS.len() - 1;
         let is_shown = |(idx, detector): &(usize, &str)| [0, last].contains(idx) || *detector == GOOD_FAITH;

@@ -1,4 +1,4 @@
-//! What is said at the end of a run, made in one piece or put together.
+//! Text at the end of a run, made in one piece or put together.
 
 use std::path::Path;
 
@@ -10,7 +10,7 @@ use crate::plumbing::failure::Failure;
 use crate::plumbing::shards::whole_run::WholeRun;
 use crate::plumbing::standard_streams::{Verbosity, is_said, print_result, print_result_in, terminal};
 
-/// Prints what `run` came to, which has been written to `finished`; with `--verbose` all its tables before that.
+/// Prints the result of `run`, which has been written to `finished`; with `--verbose` all its tables before that.
 pub fn print_ending(run: &WholeRun, finished: &Path) -> Result<(), Failure> {
     let (facts, short) = (&run.facts, run.facts.in_short());
     let mut printed = Ok(());

@@ -1,4 +1,4 @@
-//! What a run takes, whole or in parts: detectors, parameters, data sets, results of others, a recording.
+//! Setup of a run, whole or in parts: detectors, parameters, data sets, results of others, a recording.
 
 use evaluation::run::compared_detector::ComparedDetector;
 use evaluation::run::config::RunConfig;
@@ -18,14 +18,14 @@ use crate::plumbing::run_manifest::{RunSettings, detector_entry, run_manifest};
 use crate::plumbing::standard_streams::print_diagnostic;
 use crate::plumbing::watched_run::WatchedRun;
 
-/// Who runs with which parameters; no data set is open yet.
+/// Detectors and their parameters; no data set is open yet.
 pub struct ChosenRun {
     chosen: Vec<ChosenDetector>,
     config: RunConfig,
 }
 
 impl ChosenRun {
-    /// What `arguments` ask for.
+    /// Detectors and parameters that `arguments` ask for.
     pub fn of(arguments: &RunArgs) -> Result<Self, Failure> {
         let left = &arguments.foreign.detections;
         let (chosen, mut config) = chosen_with_results(&arguments.config, &arguments.detectors, left)?;
@@ -33,8 +33,8 @@ impl ChosenRun {
         Ok(Self { chosen, config })
     }
 
-    /// Opens the data sets, and looks at their first scans. Boxes that others made are in the frame of the files, which is
-    /// not levelled under them.
+    /// Opens the data sets, and looks at their first scans. Boxes of other programs are in the frame of the files: it is
+    /// not levelled if there are any.
     pub fn open(self, arguments: &RunArgs) -> Result<OpenedRun, Failure> {
         let Self { chosen, mut config } = self;
         let damage = arguments.damage.policy();
@@ -62,15 +62,15 @@ impl ChosenRun {
     }
 }
 
-/// All that is needed to begin.
+/// Everything that a run needs to begin.
 pub struct OpenedRun {
     /// Parameters of detectors and matching.
     pub config: RunConfig,
     /// The data sets.
     pub datasets: Vec<OpenedDataset>,
-    /// Who takes part.
+    /// The detectors.
     pub compared_detectors: Vec<ComparedDetector>,
-    /// What those found that do not run here.
+    /// Results of detectors that do not run here.
     pub results: OpenedResults,
 }
 
@@ -93,7 +93,7 @@ impl OpenedRun {
         })
     }
 
-    /// How it goes over the data sets.
+    /// The run over the data sets.
     pub fn watched<'a>(&'a self, arguments: &RunArgs, progress: &'a RunProgress) -> WatchedRun<'a> {
         let timing = &arguments.timing;
         WatchedRun {

@@ -67,7 +67,7 @@ fn yaml_list(words: &[String]) -> String {
 /// `text` in double quotes, as both JSON and YAML read it.
 fn yaml_text(text: &str) -> String {
     let quoted = serde_json::Value::from(text).to_string();
-    // What JSON leaves as it is and YAML does not take.
+    // Control characters that JSON leaves as they are and YAML does not take.
     let escape = |it: char| if it.is_control() { format!("\\u{:04x}", it as u32) } else { it.to_string() };
     quoted.chars().map(escape).collect()
 }

@@ -53,7 +53,7 @@ impl ShardedCommand {
         &self.verb
     }
 
-    /// The command as a task gives it that makes the only shard.
+    /// The command of a task that makes the only shard.
     pub fn as_parsed(&self) -> Result<Command, Usage> {
         let first = ["scanbench", &self.verb, "--shard", "1/1"].map(str::to_owned);
         let parsed = Cli::try_parse_from(first.into_iter().chain(self.after_shard("shards")));

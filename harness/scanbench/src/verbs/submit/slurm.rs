@@ -19,7 +19,7 @@ const SHARDS_SH: &str = include_str!("slurm/shards.sh");
 const MERGE_SH: &str = include_str!("slurm/merge.sh");
 const SUBMIT: &str = include_str!("slurm/submit.sh");
 
-/// Writes an array of shards, a merge and what submits them; submits them if asked to.
+/// Writes scripts of an array of shards, of their merge and of the submission; submits them if asked to.
 pub fn submit_slurm(arguments: &SlurmArgs) -> Result<(), Failure> {
     let submitted = &arguments.submitted;
     let command = ShardedCommand::read(&submitted.command)?;
@@ -54,7 +54,7 @@ pub fn submit_slurm(arguments: &SlurmArgs) -> Result<(), Failure> {
     }
 }
 
-/// What the scripts have in common; paths are absolute.
+/// Values that the scripts have in common; paths are absolute.
 struct JobScripts {
     name: String,
     folder: String,
@@ -105,7 +105,7 @@ impl JobScripts {
     }
 }
 
-/// What every job may use.
+/// Limits of every job.
 fn limits(arguments: &SlurmArgs) -> String {
     let SlurmArgs { time, memory, partition, .. } = arguments;
     let options = [("time", time), ("mem", memory), ("partition", partition)];

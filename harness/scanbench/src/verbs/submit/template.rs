@@ -1,6 +1,6 @@
 //! Files with placeholders that are filled in.
 
-/// `template` with a value in each placeholder such as `{{name}}`. What looks like a placeholder in a value stays as it is.
+/// `template` with a value in each placeholder such as `{{name}}`. Placeholders within a value stay as they are.
 ///
 /// # Panics
 ///

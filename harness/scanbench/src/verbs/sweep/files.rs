@@ -1,4 +1,4 @@
-//! What `scanbench sweep` leaves behind.
+//! Files of `scanbench sweep`.
 
 use crate::plumbing::failure::{Failure, NothingEvaluated};
 use crate::plumbing::official_evaluation::warning_of_no_ground;
@@ -33,7 +33,7 @@ use reports::tables::studies::swept_protocol_table::SweptProtocolTable;
 use reports::verdicts::fitness_verdict::fitness_verdicts;
 use reports::vocabulary::protocol::Protocol;
 
-/// Writes tables and plots into `directory`, and returns what is to be printed.
+/// Writes tables and plots into `directory`, and returns the tables as they are printed.
 pub fn write_sweep(directory: &RunDirectory, sweep: &SweepScores) -> Result<String, ArchiveError> {
     directory.write_file(SWEEP_CSV, &sweep.to_csv())?;
     if !sweep.times.is_empty() {
@@ -100,7 +100,7 @@ fn warn_of_no_ground(manifest: &Manifest, swept: &SweptNumbers) {
     }
 }
 
-/// What the sweep of `manifest` recommends, one text after the other, which are written into `directory`, too.
+/// Writes the recommendations of the sweep of `manifest` into `directory`, and returns them, one text after the other.
 pub fn write_best(
     directory: &RunDirectory,
     manifest: &Manifest,
@@ -152,7 +152,7 @@ pub fn write_times_of_unlike(
     directory.write_file(TIMES_OF_PROCESSORS_CSV, &sweep.times_of_processors_to_csv(unlike))
 }
 
-/// A sweep over scans in which there is nothing to find.
+/// Refuses a sweep over scans in which there is nothing to find.
 pub fn refuse_nothing(scores: &SweepScores) -> Result<(), NothingEvaluated> {
     if scores.scores.iter().any(|it| it.counts.no() > 0) {
         return Ok(());

@@ -1,4 +1,4 @@
-//! What a sweep takes, whole or in parts: points, detectors, data sets.
+//! Setup of a sweep, whole or in parts: points, detectors, data sets.
 
 use std::collections::BTreeSet;
 use std::num::NonZeroUsize;
@@ -28,19 +28,19 @@ use crate::plumbing::progress::progress_over_results;
 use crate::plumbing::provenance::machine;
 use crate::plumbing::run_manifest::{RunSettings, detector_entries, run_manifest};
 
-/// What is swept, and over what.
+/// Points, detectors and data sets of a sweep.
 pub struct Sweep<'a> {
-    /// What was asked for.
+    /// The arguments.
     pub arguments: &'a SweepArgs,
     /// Points and detectors.
     pub plan: SweepPlan,
-    /// What else it is evaluated by, if anything.
+    /// Protocols that it is evaluated by, too, if any.
     pub protocols: Option<ChosenProtocols>,
     /// The scans.
     pub datasets: Vec<OpenedDataset>,
     /// Scans at points that were counted before, by their keys.
     pub counted: BTreeSet<[usize; 3]>,
-    /// Scans that were timed before, by theirs.
+    /// Scans that were timed before, by their keys.
     pub timed: BTreeSet<(usize, usize)>,
     /// When it was begun.
     pub started: Timestamp,
@@ -65,7 +65,7 @@ impl<'a> Sweep<'a> {
         let datasets = open_datasets_past_damage(&arguments.data, policy, &plan.base.classes)?;
         let mut datasets = with_named_blocks(datasets, arguments.blocks.blocks.as_deref())?;
         if policy == DamagePolicy::Skip {
-            // Threads take scans in any order, so that it has to be known before which there are.
+            // Threads take scans in any order: it has to be known before which scans can be read.
             datasets.iter_mut().try_for_each(OpenedDataset::leave_out_damaged)?;
         }
         advise_on_judged(&datasets)?;
@@ -98,7 +98,7 @@ impl<'a> Sweep<'a> {
         self.datasets.iter().map(|it| it.part.len()).sum::<usize>() * self.plan.points.len()
     }
 
-    /// Does what is not done, and keeps it in `journal`.
+    /// Does the work that is left, and keeps it in `journal`.
     pub fn run(&self, journal: &Journal) -> Result<(), SweepError> {
         let Self { counted, timed, .. } = self;
         let pass = SweepPass {
@@ -129,7 +129,7 @@ impl<'a> Sweep<'a> {
         self.arguments.jobs.map_or_else(n_cores, usize::from)
     }
 
-    /// How it comes about.
+    /// The manifest of the sweep.
     pub fn manifest(&self) -> Manifest {
         let mut manifest = run_manifest(RunSettings {
             selection: self.arguments.data.scans.as_deref(),

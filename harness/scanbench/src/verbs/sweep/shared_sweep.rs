@@ -1,4 +1,4 @@
-//! How a sweep is shared out.
+//! Cuts a sweep into shards.
 
 use evaluation::journal::Journal;
 use evaluation::sweep::scan_at_point::{JournalEntry, TimedScan};
@@ -10,7 +10,7 @@ use reports::vocabulary::shard::Shard;
 use crate::plumbing::failure::Failure;
 use crate::plumbing::open_datasets::{OpenedDataset, ids_of};
 use crate::plumbing::shards::executor::SharedWork;
-use crate::plumbing::shards::share_of_work::{ShareOfWork, take_share};
+use crate::plumbing::shards::share_of_work::{ShareOfWork, claim_share};
 use crate::plumbing::shards::unfinished_work::UnfinishedWork;
 use crate::verbs::sweep::setup::Sweep;
 use crate::verbs::sweep::whole_sweep::WholeSweep;
@@ -19,8 +19,8 @@ impl SharedWork for Sweep<'_> {
     type Event = JournalEntry;
     type Whole = WholeSweep;
 
-    fn take_share(&mut self, shard: Shard) -> ShareOfWork {
-        take_share(&mut self.datasets, shard)
+    fn claim_share(&mut self, shard: Shard) -> ShareOfWork {
+        claim_share(&mut self.datasets, shard)
     }
 
     fn manifest(&self, shard: Option<ShardRecord>) -> Manifest {
@@ -47,7 +47,7 @@ impl SharedWork for Sweep<'_> {
         (n_done > 0).then(|| format!("{n_done} of {} results", self.n_results()))
     }
 
-    fn go_on(&mut self, unfinished: &UnfinishedWork, _: &ShardRecord) -> Result<(), Failure> {
+    fn resume(&mut self, unfinished: &UnfinishedWork, _: &ShardRecord) -> Result<(), Failure> {
         self.run(&unfinished.journal)?;
         self.datasets.iter().for_each(OpenedDataset::warn_of_points_left_out);
         Ok(())

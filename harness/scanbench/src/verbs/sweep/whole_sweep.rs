@@ -22,11 +22,11 @@ use crate::verbs::sweep::files::{
     refuse_nothing, write_best, write_sweep, write_swept_protocols, write_times_of_unlike,
 };
 
-/// A sweep of which all is counted, and written.
+/// A sweep that is completely counted, and written.
 pub struct WholeSweep {
     /// Its numbers.
     pub scores: SweepScores,
-    /// What is printed.
+    /// The text that is printed.
     pub printed: String,
 }
 
@@ -103,7 +103,7 @@ fn add_shard(tally: &mut SweepTally<'_>, shard: &ShardLog<'_>, manifest: &Manife
     Ok(())
 }
 
-/// What a shard has to have.
+/// Results that a shard has to have.
 struct Expected<'a> {
     shard: &'a ShardLog<'a>,
     entry: &'a SweepEntry,
@@ -111,7 +111,7 @@ struct Expected<'a> {
 }
 
 impl Expected<'_> {
-    /// Its results, in order.
+    /// Keys of the results, in order.
     fn keys(&self) -> impl Iterator<Item = [usize; 3]> + use<'_> {
         let parts = self.shard.record.parts.iter().enumerate();
         parts.flat_map(move |(dataset_idx, part)| {
@@ -130,7 +130,7 @@ impl Expected<'_> {
             }
             None => "nothing".to_owned(),
         };
-        // One more than there are, so that nothing is expected behind the last.
+        // One more than there are, so that results after the last are found, too.
         let mut expected = self.keys().map(Some).chain([None]);
         expected.find_map(|key| {
             let found = found.next();

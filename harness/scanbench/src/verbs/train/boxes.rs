@@ -25,7 +25,7 @@ use crate::verbs::train::data::{TrainingData, nothing};
 use crate::verbs::train::files::manifest;
 use crate::verbs::train::groupings::drives;
 
-/// Trains what makes boxes whole, judges it by drives it has not seen, and writes and prints the result.
+/// Trains the model that makes boxes whole, judges it by drives it has not seen, and writes and prints the result.
 pub fn train_boxes(arguments: &BoxTrainingArgs) -> Result<(), Failure> {
     let interrupted = interruption_flag();
     let started = Timestamp::now();

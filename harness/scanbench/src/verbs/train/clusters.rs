@@ -24,12 +24,12 @@ pub struct ClustersOf<'a> {
     pub detector: &'static str,
     /// Fewest points of a cluster.
     pub min_points: usize,
-    /// What regions are cut out is drawn from it.
+    /// Seed of the choice of regions that are cut out.
     pub seed: u64,
 }
 
 impl ClustersOf<'_> {
-    /// What `kept` makes of those of the scans of a data set.
+    /// Results of `kept` for the clusters of the scans of a data set.
     pub fn candidates<T: Send>(
         &self,
         opened: &OpenedDataset,

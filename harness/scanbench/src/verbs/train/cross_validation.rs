@@ -1,4 +1,4 @@
-//! Which parameters of a support vector machine are best on drives that it has not seen.
+//! Choice of the parameters of a support vector machine that are best on drives that it has not seen.
 
 use std::collections::BTreeSet;
 use std::fmt::Write as _;
@@ -18,15 +18,15 @@ use crate::plumbing::failure::Failure;
 use crate::plumbing::progress::progress_over_results;
 use crate::verbs::train::data::nothing;
 
-/// The drives are parted into so many parts at most.
+/// Largest number of parts that the drives are divided into.
 const MOST_FOLDS: usize = 5;
 
-/// Somebody asked for an end.
+/// The user asked for an end.
 #[derive(Debug, thiserror::Error)]
 #[error("interrupted during cross-validation")]
 struct Interrupted;
 
-/// What is learned from, and how much of it.
+/// Candidates to learn from, and how many of them are used.
 pub struct FoldedCandidates<'a> {
     /// Candidates of training drives.
     pub taught: &'a [&'a Candidate],
@@ -121,7 +121,7 @@ impl FoldedCandidates<'_> {
     }
 }
 
-/// Below the ROC curve and below the precision-recall curve.
+/// Areas below the ROC curve and below the precision-recall curve.
 fn areas<const D: usize>(
     params: &NuSvcParams,
     learned: &[DescribedObject<D>],

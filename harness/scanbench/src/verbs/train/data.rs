@@ -1,4 +1,4 @@
-//! What models are trained on, and judged by.
+//! Data that models are trained on, and judged by.
 
 use detector::describe::trained_file::Provenance;
 use evaluation::run::config::RunConfig;
@@ -17,7 +17,7 @@ use crate::plumbing::judged_streets::refuse_judged;
 use crate::plumbing::open_datasets::{OpenedDataset, open_datasets};
 use crate::plumbing::reproducible_command::reproducible_command;
 
-/// How `datasets` of options of their own are opened, if there are any. What is said of the simulator is for the others.
+/// Arguments for `datasets`, which have options of their own, if there are any. Options of the simulator are for the others.
 fn beside(
     data: &DatasetArgs,
     datasets: &[String],
@@ -44,29 +44,29 @@ fn beside(
     })
 }
 
-/// What is trained on and what is judged by, opened.
+/// Opened data sets that are trained on and judged by.
 pub struct TrainingData<'a> {
     /// The parameters, with the density curves of sensors that have none of their own.
     pub config: RunConfig,
     /// How the data sets were opened.
     pub data: &'a DatasetArgs,
-    /// How those only to judge by were.
+    /// How the data sets only to judge by were opened.
     pub held_out_data: Option<DatasetArgs>,
-    /// How those of --recorded were.
+    /// How those of --recorded were opened.
     pub recorded_data: Option<DatasetArgs>,
     /// The data sets trained on, those of --recorded last.
     pub trained: Vec<OpenedDataset>,
     /// How many of them are of --recorded.
     pub n_recorded: usize,
-    /// Those only to judge by; without any, drives of the others are.
+    /// Data sets only to judge by; without any, drives of the others are held out.
     pub held_out: Vec<OpenedDataset>,
     /// Which drives are on which side.
     pub parted: HeldOut,
 }
 
 impl<'a> TrainingData<'a> {
-    /// Opens the data sets, seen by each of `sensors` in turn if there are any. As in a run with `config`, sensor, height and
-    /// density of what nobody has stated are those that the first scans show.
+    /// Opens the data sets, seen by each of `sensors` in turn if there are any. As in a run with `config`, sensor, height
+    /// and density are those that the first scans show, unless they are stated.
     pub fn open(
         mut config: RunConfig,
         data: &'a DatasetArgs,
@@ -124,7 +124,7 @@ impl<'a> TrainingData<'a> {
         self.trained.iter().chain(&self.held_out)
     }
 
-    /// What a model that is made of them says of itself: `verb` and `options` are those of the command.
+    /// Provenance of a model that is made of them: `verb` and `options` are those of the command.
     pub fn provenance(
         &self,
         verb: &str,
@@ -150,7 +150,7 @@ impl<'a> TrainingData<'a> {
     }
 }
 
-/// The parameters of what finds the groups that are learned from.
+/// Parameters by which the groups are found that are learned from.
 pub struct TrainingParameters {
     /// All of them; vehicles are classified by their size.
     pub config: RunConfig,
@@ -203,7 +203,7 @@ fn parted(
     })
 }
 
-/// What a data set is called in files that were made of it.
+/// Name of a data set in files that were made of it.
 fn name_with_seed(opened: &OpenedDataset) -> String {
     let description = opened.dataset.description();
     match StreetDrive::of(description) {
@@ -212,7 +212,7 @@ fn name_with_seed(opened: &OpenedDataset) -> String {
     }
 }
 
-/// What an example of each data set weighs, of which there are so many.
+/// Weight of an example by data set; each data set has its number of examples beside it.
 pub fn weights_of(n_by_dataset: &[(&OpenedDataset, usize)]) -> Vec<f64> {
     let examples = n_by_dataset
         .iter()

@@ -1,4 +1,4 @@
-//! What `scanbench train` leaves in its directory.
+//! Files of `scanbench train`.
 
 use detector::classify::model_file::ModelFile;
 use detector::classify::nu_svm::NuSvm;
@@ -25,7 +25,7 @@ use crate::verbs::train::data::TrainingData;
 pub struct TrainedModel<'a, const D: usize> {
     /// The classifier.
     pub model: SvmModel<D>,
-    /// What its file is called.
+    /// Name of its file.
     pub file_name: &'static str,
     /// The file, with what it compares with.
     pub file: ModelFile,
@@ -61,7 +61,7 @@ pub fn write_files<const D: usize>(
     ])
 }
 
-/// Everything that decides the model.
+/// Manifest of the training: everything that decides the model.
 pub fn manifest(data: &TrainingData<'_>, started: Timestamp) -> serde_json::Value {
     let entries = |opened: &[OpenedDataset], arguments: &DatasetArgs| {
         opened.iter().map(|it| dataset_entry(it, arguments.scans.as_deref())).collect::<Vec<_>>()
@@ -84,7 +84,7 @@ pub fn manifest(data: &TrainingData<'_>, started: Timestamp) -> serde_json::Valu
     })
 }
 
-/// What was judged, and whether it is simulated.
+/// Title of the curves: how many objects were judged, and whether they are simulated.
 fn title(data: &TrainingData<'_>, [n_vehicles, n_others]: [usize; 2]) -> String {
     let judged_by = if data.held_out.is_empty() { &data.trained } else { &data.held_out };
     let n_simulated = judged_by.iter().filter(|it| it.dataset.description().is_simulated()).count();

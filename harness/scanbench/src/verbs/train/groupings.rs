@@ -233,7 +233,7 @@ impl Judgement {
         }
     }
 
-    /// What was expected, and what was seen, of the model of this name.
+    /// Rows of expected and observed values of the model called `model`.
     pub fn rows(&self, model: &str) -> Vec<CalibrationRow> {
         let row = |what: &str, it: &CalibrationBin| {
             CalibrationRow::new(&format!("{model}: {what}"), [it.expected, it.observed], it.n)

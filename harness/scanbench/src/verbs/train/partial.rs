@@ -50,7 +50,7 @@ pub fn train_partial(arguments: &PartialTrainingArgs) -> Result<(), Failure> {
     print_result_in("Model", &finished, summary(&model, &recipe.objects, n_objects))
 }
 
-/// What is trained on: as the shipped model, unless the arguments say otherwise.
+/// Recipe of the training: that of the shipped model, unless the arguments say otherwise.
 fn recipe(arguments: &PartialTrainingArgs) -> Result<PartialRecipe, Failure> {
     let shipped = PartialRecipe::shipped();
     let asked = arguments;

@@ -113,7 +113,7 @@ impl Rivals {
         Ok(Self { clusters, nested, components, tolerances_m })
     }
 
-    /// What was chosen, and how it does, for people.
+    /// The chosen tolerances, and how the models do, for people.
     fn text(&self, data: &TrainingData<'_>) -> String {
         let chosen: Vec<String> =
             self.tolerances_m.iter().map(|(sensor, it)| format!("{sensor} {it} m")).collect();

@@ -1,4 +1,4 @@
-//! What `scanbench train` prints.
+//! Text that `scanbench train` prints.
 
 use detector::classify::svm_model::SvmModel;
 use detector::describe::prototype_library::PrototypeLibrary;

@@ -37,7 +37,7 @@ use crate::verbs::train::data::{TrainingData, nothing};
 use crate::verbs::train::files::{TrainedModel, write_files};
 use crate::verbs::train::summary::summary;
 
-/// Training gives up after so many steps, which a ν below the share of objects that look like the other class needs.
+/// Largest number of steps of training. A ν below the share of objects that look like the other class needs so many.
 const MOST_STEPS: usize = 500_000;
 
 /// Trains a support vector machine, judges it by drives it has not seen, and writes and prints the result.
@@ -136,7 +136,7 @@ struct Training<'a> {
     made: Provenance,
     started: Timestamp,
     taught: Vec<&'a Candidate>,
-    // Of each of these.
+    // By candidate in `taught`.
     datasets_of_taught: Vec<&'a str>,
     judged: Vec<&'a (&'a str, Candidate)>,
 }
@@ -149,7 +149,7 @@ impl Training<'_> {
         prototypes_of(candidates, self.arguments.prototypes as usize, self.made.clone())
     }
 
-    /// Those that were asked for: of several the best on drives that are held out, and what there is to say of it.
+    /// The parameters that were asked for, or of several the best on drives that are held out, with a text about the choice.
     fn params<const D: usize, S: ObjectDescriber<D>>(
         &self,
         describer_of: impl Fn(&[&Candidate]) -> Result<S, Failure>,

@@ -25,11 +25,11 @@ const NAME: &str = "detections.feather";
 /// The class of vehicles.
 const VEHICLE: &str = "REGULAR_VEHICLE";
 
-/// The columns of numbers.
+/// The columns that hold numbers.
 const NUMBERS: [&str; 11] =
     ["tx_m", "ty_m", "tz_m", "length_m", "width_m", "height_m", "qw", "qx", "qy", "qz", "score"];
 
-/// A table that grows.
+/// A table that is being filled.
 #[derive(Default)]
 pub struct Argoverse2Results {
     logs: Vec<String>,

@@ -1,4 +1,4 @@
-//! Detections as rows, as `scanbench detect` writes them.
+//! Rows for detections, as `scanbench detect` writes them.
 
 use detector::detection::SeenSides;
 use detector::{BoxDetails, DetectedClass, Detection, Detections, OrientedBox};
@@ -9,7 +9,7 @@ use reports::vocabulary::class::DetectionClass;
 /// The score of detections without one, where a format has to have one.
 pub const SCORE_OF_NONE: f32 = 1.0;
 
-/// What files say of a detection; its id is its index among those of the scan.
+/// Facts about a detection for files; its id is its index among those of the scan.
 pub fn detection_facts(index: usize, detection: &Detection<'_>) -> DetectionFacts {
     DetectionFacts {
         id: index as u64,
@@ -23,7 +23,7 @@ pub fn detection_facts(index: usize, detection: &Detection<'_>) -> DetectionFact
     }
 }
 
-/// The rows of the boxes of a scan, in order, each with whether it is that of an unlikely vehicle.
+/// The rows of the boxes of a scan, in order; each box comes with whether it is that of an unlikely vehicle.
 pub fn box_rows<'a>(boxes: impl Iterator<Item = (Detection<'a>, bool)>) -> Vec<BoxRow> {
     let row = |(index, (it, is_unlikely)): (usize, (Detection<'_>, bool))| {
         let row = BoxRow::new(&detection_facts(index, &it), &box_detail_facts(&it.box_details));
@@ -44,7 +44,7 @@ fn box_detail_facts(details: &BoxDetails) -> BoxDetailFacts {
     }
 }
 
-/// A box as rows have it.
+/// Facts about a box for rows.
 pub fn box_facts(bounding_box: &OrientedBox) -> BoxFacts {
     BoxFacts {
         center_m: bounding_box.center_m,
@@ -53,7 +53,7 @@ pub fn box_facts(bounding_box: &OrientedBox) -> BoxFacts {
     }
 }
 
-/// For every point of a scan of `n_points` the detection it belongs to; of several the last.
+/// For every point of a scan of `n_points` points, the index of its detection; of several the last.
 pub fn clusters_of_points(detections: &Detections, n_points: usize) -> Vec<Option<u32>> {
     let mut cluster_of_point = vec![None; n_points];
     for (detection, cluster) in detections.iter().zip(0..) {

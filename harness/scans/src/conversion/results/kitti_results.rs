@@ -28,7 +28,7 @@ pub struct KittiResults {
 }
 
 impl KittiResults {
-    /// Nothing yet.
+    /// Begins results without any lines.
     pub fn new(layout: KittiLayout) -> Self {
         Self { layout, lines_by_drive: BTreeMap::new() }
     }

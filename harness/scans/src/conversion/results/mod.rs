@@ -1,4 +1,4 @@
-//! What detectors found, in the files that other people's evaluators read.
+//! Detections in the files that other people's evaluators read.
 
 use detector::{Detection, DetectorOutput};
 
@@ -18,26 +18,26 @@ pub mod result_folder;
 pub struct ResultFile {
     /// The name.
     pub name: String,
-    /// What is in it.
+    /// Its bytes.
     pub content: Vec<u8>,
 }
 
-/// Results in some format: of one detector in the scans of one data set.
+/// Writer of results in some format: of one detector in the scans of one data set.
 pub trait ResultWriter {
-    /// Takes what was found in a scan, and returns the files that are complete with it.
+    /// Takes the output of the detector for a scan, and returns the files that are complete with it.
     fn add(&mut self, scan: &LabeledScan, frame: &ForeignFrame, output: &DetectorOutput) -> CompleteFiles;
 
     /// The files that are complete after the last scan.
     fn finish(self: Box<Self>) -> CompleteFiles;
 
-    /// Whether the format has a class for what is no vehicle; it is left out otherwise.
+    /// Whether the format has a class for objects that are no vehicles; otherwise they are left out.
     fn has_objects(&self) -> bool {
         true
     }
 }
 
-/// All that evaluators may rank: the detections, then the unlikely vehicles, which is said of each. Their boxes have a volume:
-/// of a fence that is seen from its end the points lie in one plane, and readers take a side of 0 for damage.
+/// All boxes that evaluators may rank: the detections, then the unlikely vehicles, each with whether it is one. Their boxes
+/// have a volume: the points of a fence seen from its end lie in one plane, and readers take a side of 0 for damage.
 fn ranked(output: &DetectorOutput) -> impl Iterator<Item = (Detection<'_>, bool)> {
     let detections = output.detections.iter().map(|it| (it, false));
     let all = detections.chain(output.unlikely_vehicles.iter().map(|it| (it, true)));
@@ -48,13 +48,13 @@ fn ranked(output: &DetectorOutput) -> impl Iterator<Item = (Detection<'_>, bool)
     })
 }
 
-/// No side of a written box is shorter.
+/// The shortest side of a written box, in metres.
 const LEAST_SIDE_M: f32 = 0.01;
 
 /// Files that are complete.
 pub type CompleteFiles = Result<Vec<ResultFile>, ConversionError>;
 
-/// The error of a writer for a data set that its format is not for.
+/// The error of a writer about a data set that does not fit its format.
 fn unwritable(scan: &LabeledScan, format: &'static str, problem: &str) -> ConversionError {
     ConversionError::Unwritable { scan: scan.id.to_string(), format, problem: problem.to_owned() }
 }

@@ -19,7 +19,7 @@ use crate::dataset::upright_box::pose_of_box;
 /// The name of the file.
 const NAME: &str = "results_nusc.json";
 
-/// A submission that grows.
+/// A submission that is being filled.
 #[derive(Default)]
 pub struct NuScenesResults {
     boxes_by_sample: Map<String, Value>,

@@ -1,5 +1,5 @@
-//! The files that `scanbench detect` writes, of every scan: `DRIVE/NNNNNN.u32` with the cluster of each point,
-//! `DRIVE/NNNNNN.csv` with the boxes, behind them those of unlikely vehicles.
+//! The files of `scanbench detect` for every scan: `DRIVE/NNNNNN.u32` with the cluster of each point, `DRIVE/NNNNNN.csv`
+//! with the boxes, behind them those of unlikely vehicles.
 
 use detector::DetectorOutput;
 use reports::files::archive::ArchiveError;
@@ -20,7 +20,7 @@ impl ResultWriter for OwnResults {
     fn add(&mut self, scan: &LabeledScan, _frame: &ForeignFrame, output: &DetectorOutput) -> CompleteFiles {
         let detections = &output.detections;
         let name = |ending: &str| format!("{}/{:06}.{ending}", folder_name(&scan.id.sequence), scan.id.index);
-        // One for every point of the file; those without a position are of no cluster.
+        // A value for every point of the file; points without a position belong to no cluster.
         let clusters = clusters_of_points(detections, scan.cloud.len());
         let clusters = values_of_file(&clusters, &scan.points_left_out).into_iter().map(Option::flatten);
         let clusters: Vec<Option<u32>> = clusters.collect();

@@ -34,12 +34,12 @@ pub enum ResultOutput {
     NuScenes,
     /// A table of Argoverse 2.
     Argoverse2,
-    /// What `detect` writes.
+    /// The files of `detect`.
     Csv,
 }
 
 impl ResultOutput {
-    /// Makes sure that results of this scan can be written, before anything was found.
+    /// Makes sure that results of this scan can be written, before a detector runs.
     pub fn check(self, id: &ScanId, frame: &ForeignFrame) -> Result<(), ConversionError> {
         let nothing = PositionedPoints::default().labeled_everywhere(id.clone(), Vec::new());
         writer_of(self, KittiLayout::Tracking).add(&nothing, frame, &DetectorOutput::default()).map(drop)
@@ -80,7 +80,7 @@ impl ResultFolder {
         self.dataset = Some((folder_name(&dataset.id), layout));
     }
 
-    /// Takes what `detector` found in a scan of the data set.
+    /// Takes the output of `detector` for a scan of the data set.
     pub fn add(
         &mut self,
         detector: &str,
@@ -109,7 +109,7 @@ impl ResultFolder {
         Ok(())
     }
 
-    /// Gives the folder its name, and says how many detections were left out, since the format has no class for them.
+    /// Gives the folder its name, and returns how many detections were left out since the format has no class for them.
     pub fn finish(self) -> Result<u64, ConversionError> {
         self.folder.finish()?;
         Ok(self.n_left_out)

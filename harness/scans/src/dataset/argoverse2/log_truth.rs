@@ -1,4 +1,4 @@
-//! What the files of a log say beside the points: boxes, poses, and where the lidars are.
+//! The files of a log beside the points: boxes, poses, and positions of the lidars.
 
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -18,7 +18,7 @@ use crate::dataset::upright_box::upright_box;
 /// The file of the annotations of a log.
 pub const ANNOTATIONS: &str = "annotations.feather";
 
-/// The lidars in the frame of the car, in metres, halfway between the two. For logs without their calibration.
+/// The point halfway between the two lidars, in the frame of the car, in metres. For logs without their calibration.
 const USUAL_CAR_FROM_LIDARS_M: [f64; 3] = [1.35, 0.0, 1.6];
 
 /// The names of the lidars in the calibration.
@@ -27,24 +27,24 @@ const LIDARS: [&str; 2] = ["up_lidar", "down_lidar"];
 /// The columns of a pose: a translation, and a quaternion.
 pub const POSE: [&str; 7] = ["tx_m", "ty_m", "tz_m", "qx", "qy", "qz", "qw"];
 
-/// Everything about a log but its points.
+/// All of a log but its points.
 #[derive(Debug, Clone, PartialEq)]
 pub struct LogTruth {
     /// Annotations without points by time, in nanoseconds, in the sensor frame.
     pub annotations: BTreeMap<i64, Vec<Annotation>>,
-    /// What is labelled by time, in the frame of the car.
+    /// Labelled objects by time, in the frame of the car.
     pub objects: BTreeMap<i64, Vec<OfficialObject>>,
-    /// Where the sensor was, by time.
+    /// Pose of the sensor by time.
     pub world_from_sensor: BTreeMap<i64, Isometry3<f64>>,
-    /// Where the sensor is in the frame of the car.
+    /// Position of the sensor in the frame of the car.
     pub car_from_sensor_m: Vector3<f64>,
 }
 
 impl LogTruth {
-    /// Reads those of the log in `folder`.
+    /// Reads the log in `folder`.
     ///
-    /// Annotations whose class nobody knows are noted in `classes` and left out. The origin becomes the point halfway
-    /// between the two lidars; the axes stay those of the car.
+    /// Annotations of unknown classes are noted in `classes` and left out. The origin becomes the point halfway between the
+    /// two lidars; the axes stay those of the car.
     ///
     /// Poses and calibration may be missing.
     pub fn read(folder: &Path, classes: &mut ClassReader<'_>) -> Result<Self, DatasetError> {
@@ -72,7 +72,7 @@ impl LogTruth {
     }
 }
 
-/// Notes the classes in the annotations of the log in `folder` that nobody knows.
+/// Notes the unknown classes in the annotations of the log in `folder`.
 pub fn survey_classes(folder: &Path, classes: &mut ClassReader<'_>) -> Result<(), DatasetError> {
     let path = folder.join(ANNOTATIONS);
     let categories = FeatherTable::read(&path, &["category"])?.take_texts("category");
@@ -147,7 +147,7 @@ fn read_labels(
     if lengths.iter().any(|it| *it != n_rows) {
         return Err(damaged(format!("has columns of {n_rows} and of {lengths:?} rows")));
     }
-    // Tracks are numbered by the order of their names, so that the numbers do not depend on which sweeps there are.
+    // Tracks are numbered by the order of their names, so that the numbers do not depend on the sweeps that exist.
     let mut sorted: Vec<&String> = tracks.iter().collect();
     sorted.sort_unstable();
     sorted.dedup();

@@ -33,7 +33,7 @@ use crate::dataset::{Dataset, DatasetError, Listing, labels_without_scan};
 
 const SWEEPS: &str = "sensors/lidar";
 
-/// Where logs may lie below the folder that is named.
+/// Folders of logs below the folder of the data set.
 const SPLITS: [&str; 7] = [".", "train", "val", "test", "sensor/train", "sensor/val", "sensor/test"];
 
 /// Height of the point between the lidars above the road: that above the rear axle, and the axle's.
@@ -42,7 +42,7 @@ pub const ARGOVERSE2_SENSOR_HEIGHT_M: f32 = 1.95;
 /// Two VLP-32C, one upside down on the other.
 pub const ARGOVERSE2_SENSOR: &str = "argoverse2";
 
-/// What is labelled, where the car may drive and five metres beside it.
+/// The labelled classes, where the car may drive and five metres beside it.
 pub const ARGOVERSE2_CLASSES: [AnnotationClass; 12] = [
     AnnotationClass::Car,
     AnnotationClass::Truck,
@@ -58,7 +58,7 @@ pub const ARGOVERSE2_CLASSES: [AnnotationClass; 12] = [
     AnnotationClass::Misc,
 ];
 
-/// An open data set: names of sweeps are in memory, and the boxes of the log that was last read from.
+/// An open data set: it holds the names of sweeps, and the boxes of the log that was last read from.
 #[derive(Debug)]
 struct SensorLogs {
     // Invariant: `scan_ids` and `sweeps` have the same length and order.
@@ -81,7 +81,7 @@ pub fn is_argoverse2(folder: &Path) -> bool {
 
 /// Opens the folder of `source`: all logs that have annotations, or only those of `sequences`.
 ///
-/// Nothing is looked into.
+/// No sweep and no label is read.
 pub fn open_argoverse2(mut source: DatasetSource) -> Result<Box<dyn Dataset>, DatasetError> {
     let sequences = source.parts.sequences.take();
     let (mut scan_ids, mut sweeps, mut checksum) = (Vec::new(), Vec::new(), DatasetChecksum::default());
@@ -167,11 +167,11 @@ impl Dataset for SensorLogs {
 }
 
 impl SensorLogs {
-    /// Of all logs whose annotations can be read, so that they are said at once.
+    /// The unknown classes of all logs whose annotations can be read, so that one error names them all.
     fn all_unknown_classes(&self) -> UnknownClasses {
         let mut classes = ClassReader::new(&self.classes, &[]);
         for log in self.logs() {
-            // What cannot be read is said when it is read for its scans.
+            // A log that cannot be read fails when its scans are read.
             let _ = survey_classes(log, &mut classes);
         }
         classes.unknown().clone()
@@ -198,7 +198,7 @@ impl SensorLogs {
     }
 }
 
-/// The columns of a sweep that say which laser saw a point, and when after the time of the sweep, in nanoseconds.
+/// The columns of a sweep with the laser of a point, and its time after that of the sweep, in nanoseconds.
 const LASER: &str = "laser_number";
 const OFFSET: &str = "offset_ns";
 
@@ -214,7 +214,7 @@ fn read_sweep(path: &Path, car_from_sensor_m: &Vector3<f64>) -> Result<Positione
     let mut points = PositionedPoints::with_capacity(n_points);
     for point_idx in 0..n_points {
         let position_m = Vector3::new(x[point_idx], y[point_idx], z[point_idx]) - car_from_sensor_m;
-        // A byte, brought to the range that other sensors have.
+        // A byte, scaled to the range of other sensors.
         let intensity = intensity[point_idx] as f32 / 255.0;
         points.push(position_m.into(), intensity).map_err(damaged)?;
     }

@@ -11,7 +11,7 @@
 //! ```
 //!
 //! The scans of the object benchmark were picked out of drives at random, and their numbers are no times. The development
-//! kit lists which raw scans they are, if it lies beside the split ([`RawMapping`]).
+//! kit lists the raw scans that they are taken from, if it lies beside the split ([`RawMapping`]).
 
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
@@ -40,7 +40,7 @@ use crate::dataset::{Dataset, DatasetError, Listing, Nearness, labels_without_sc
 const OBJECT_LABELS: &str = "label_2";
 const TRACKING_LABELS: &str = "label_02";
 
-/// The scans of the object benchmark come from all over KITTI's drives, and their own files do not say from which.
+/// The scans of the object benchmark come from all of KITTI's drives, and their own files do not state which.
 const SEQUENCE: &str = "training";
 
 /// An open benchmark: labels and calibrations are in memory, scans are read one at a time.
@@ -52,12 +52,12 @@ struct KittiBenchmark {
     nearness: Nearness,
     columns: ScanColumns,
     scans: Vec<Scan>,
-    // Names of scans that have labels and are not there.
+    // Names of missing scans that have labels.
     not_there: Vec<String>,
     left_out: Vec<LeftOut>,
 }
 
-/// What is known about a scan without reading its points.
+/// Facts about a scan that are known without reading its points.
 #[derive(Debug, Clone)]
 struct Scan {
     // Below `velodyne`, without its ending.
@@ -68,7 +68,7 @@ struct Scan {
     raw: Option<RawScan>,
 }
 
-/// The camera that the labels are about.
+/// The camera in whose image objects were labelled.
 #[derive(Debug)]
 struct Camera {
     calibration: KittiCalibration,
@@ -90,7 +90,7 @@ pub fn is_kitti_tracking(folder: &Path) -> bool {
 
 /// Opens the split folder of `source`: all its scans, or only those that are chosen.
 ///
-/// Scans are not looked into, nor files that belong to other scans.
+/// No scan is read, nor any file of other scans.
 pub fn open_kitti_object(source: DatasetSource) -> Result<Box<dyn Dataset>, DatasetError> {
     let mut folder = SplitFolder::with_labels(&source.path, OBJECT_LABELS)?;
     let (numbers, left_out) = object_numbers(&folder, source.parts.scans.as_ref(), source.damage)?;
@@ -124,7 +124,7 @@ pub fn open_kitti_object(source: DatasetSource) -> Result<Box<dyn Dataset>, Data
     Ok(Box::new(KittiBenchmark { listing, labeled_region, nearness, columns, scans, not_there, left_out }))
 }
 
-/// Opens the split folder of `source`: all drives that have scans, or only those that are chosen. Scans are not looked into.
+/// Opens the split folder of `source`: all drives that have scans, or only the chosen ones. No scan is read.
 pub fn open_kitti_tracking(mut source: DatasetSource) -> Result<Box<dyn Dataset>, DatasetError> {
     let selected = source.parts.sequences.take();
     let mut folder = SplitFolder::with_labels(&source.path, TRACKING_LABELS)?;
@@ -234,7 +234,7 @@ fn columns_of(source: &DatasetSource, scans: &[Scan]) -> ScanColumns {
     ScanColumns::new(source.columns.clone(), PointColumns::of_kitti(), &paths)
 }
 
-/// The numbers of the scans to open, at least one, all of which exist and have labels; and what is left out.
+/// The numbers of the scans to open, at least one, all of which exist and have labels; and the files to leave out.
 fn object_numbers(
     folder: &SplitFolder,
     selected: Option<&BTreeSet<u32>>,

@@ -1,4 +1,4 @@
-//! From KITTI's boxes in the camera frame to ours in the velodyne frame, and back.
+//! Converts KITTI's boxes in the camera frame to ours in the velodyne frame, and back.
 
 use std::f64::consts::TAU;
 
@@ -9,9 +9,9 @@ use super::label::CameraBox;
 
 /// The box in the velodyne frame.
 ///
-/// Heading and centre of the bottom are carried over exactly. KITTI's box stands upright in the camera frame, ours in the
-/// velodyne frame; these are tilted against each other by about a degree, so that the roof of a car may be off by some
-/// two centimetres and its bumpers by as much in height. Whole turns stay whole turns: they reveal angles in degrees.
+/// The heading and the centre of the bottom are converted exactly. KITTI's box stands upright in the camera frame, ours in
+/// the velodyne frame; the two are tilted against each other by about a degree, so that the roof of a car may be off by some
+/// two centimetres and its bumpers by as much in height. Whole turns are kept: they show that angles are in degrees.
 pub fn box_in_velodyne(camera_box: &CameraBox, velodyne_from_camera: &Matrix4<f64>) -> OrientedBox {
     let [x, y, z] = camera_box.bottom_center_m;
     let [height_m, width_m, length_m] = camera_box.height_width_length_m;
@@ -35,8 +35,8 @@ pub fn box_in_camera(bounding_box: &OrientedBox, velodyne_from_camera: &Matrix4<
     let bottom_center_m = Vector4::new(x, y, center_z - height_m / 2.0, 1.0);
     let camera_from_velodyne = velodyne_from_camera.try_inverse().unwrap_or_else(Matrix4::identity);
     let bottom_center_m = camera_from_velodyne * bottom_center_m;
-    // The turn whose direction, (cos, 0, -sin), is seen from above in the velodyne frame along the heading, and not against
-    // it.
+    // The turn whose direction, (cos, 0, -sin), points along the heading, and not against it, seen from above in the
+    // velodyne frame.
     let (yaw_sin, yaw_cos) = f64::from(bounding_box.yaw_rad).sin_cos();
     let across = |column: usize| {
         velodyne_from_camera[(0, column)] * yaw_sin - velodyne_from_camera[(1, column)] * yaw_cos

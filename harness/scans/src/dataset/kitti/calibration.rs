@@ -1,4 +1,4 @@
-//! KITTI's calibration files: how camera 2, the rectified camera frame and the velodyne frame lie to each other.
+//! KITTI's calibration files: transforms between camera 2, the rectified camera frame and the velodyne frame.
 
 use std::path::Path;
 
@@ -8,14 +8,14 @@ use crate::dataset::DatasetError;
 use crate::dataset::foreign_frame::ForeignFrame;
 use crate::dataset::text_file::{TextLine, text_lines};
 
-/// The published matrices are orthonormal to about 1e-6; what is off by more than this is no rotation.
+/// The published matrices are orthonormal to about 1e-6; a matrix that is off by more than this is no rotation.
 const MAX_ROTATION_DEVIATION: f64 = 1e-3;
 
 const PROJECTION: &str = "P2";
 const RECTIFICATION: &str = "R0_rect or R_rect";
 const VELODYNE_TO_CAMERA: &str = "Tr_velo_to_cam or Tr_velo_cam";
 
-/// How the frames of one drive lie to each other.
+/// Transforms between the frames of one drive.
 ///
 /// *Camera* is the rectified frame of KITTI's boxes: x right, y down, z forward, in metres.
 #[derive(Debug, Clone, PartialEq)]
@@ -40,7 +40,7 @@ impl KittiCalibration {
 /// Reads the calibration in `text`; `path` is named in errors.
 ///
 /// Takes the spellings of both benchmarks: `R0_rect` or `R_rect`, `Tr_velo_to_cam` or `Tr_velo_cam`, with or without a
-/// colon. Lines about other sensors are not looked at.
+/// colon. Lines about other sensors are ignored.
 pub fn parse_calibration(path: &Path, text: &str) -> Result<KittiCalibration, DatasetError> {
     let mut projection: Option<Matrix3x4<f64>> = None;
     let mut rectification: Option<Matrix3<f64>> = None;
@@ -84,7 +84,7 @@ fn set_once<const R: usize, const C: usize>(
     line.end()
 }
 
-/// Makes sure that `matrix`, the line called `entry`, is a rotation but for rounding.
+/// Makes sure that `matrix`, from the line `entry`, is a rotation up to rounding.
 pub fn check_rotation(path: &Path, entry: &'static str, matrix: &Matrix3<f64>) -> Result<(), DatasetError> {
     let deviation = if matrix.determinant() > 0.0 {
         (matrix * matrix.transpose() - Matrix3::identity()).abs().max()
@@ -100,7 +100,7 @@ pub fn check_rotation(path: &Path, entry: &'static str, matrix: &Matrix3<f64>) -
     )))
 }
 
-/// `transform` with the last row that makes it chainable.
+/// `transform` with a last row, so that it can be multiplied with others.
 fn homogeneous(transform: &Matrix3x4<f64>) -> Matrix4<f64> {
     let mut chainable = Matrix4::identity();
     chainable.fixed_rows_mut::<3>(0).copy_from(transform);

@@ -1,4 +1,4 @@
-//! Where KITTI's labels say something: inside the image of the left colour camera, except where nobody looked closely.
+//! The region of KITTI's labels: the image of the left colour camera without its `DontCare` parts.
 
 use detector::PointCloud;
 use nalgebra::{Matrix3x4, Vector4};
@@ -6,7 +6,7 @@ use nalgebra::{Matrix3x4, Vector4};
 use super::label::ImageBox;
 use crate::annotation::{Annotation, LabeledArea, PointRegion};
 
-/// The camera and what its image shows.
+/// The camera and the labelled part of its image.
 #[derive(Debug, Clone, Copy)]
 pub struct CameraFieldOfView<'a> {
     /// From homogeneous velodyne coordinates to homogeneous pixels.
@@ -18,7 +18,7 @@ pub struct CameraFieldOfView<'a> {
 }
 
 impl CameraFieldOfView<'_> {
-    /// Which positions the camera sees. `DontCare` is about points alone: a rectangle of the image is no position.
+    /// The positions that the camera sees. `DontCare` is about points alone: a rectangle of the image is no position.
     pub fn labeled_area(&self) -> LabeledArea {
         LabeledArea::CameraImage {
             image_from_sensor: *self.image_from_velodyne,
@@ -29,10 +29,9 @@ impl CameraFieldOfView<'_> {
 
 /// For every point of `cloud`, whether the labels say anything about it.
 ///
-/// Points behind the camera or projected beside the image are outside. Those projected into a `DontCare` rectangle are
-/// unscorable, unless they belong to one of `annotations`: a rectangle also covers what stands before and behind the
-/// things that were not labelled. Whether something hides the point from the camera, which sits beside the sensor, is
-/// not looked at.
+/// Points behind the camera or projected beside the image are outside. Points projected into a `DontCare` rectangle are
+/// unscorable, unless they belong to one of `annotations`: a rectangle also covers objects before and behind the unlabelled
+/// ones. Points that something hides from the camera, which sits beside the sensor, are treated like others.
 pub fn point_regions(
     cloud: &PointCloud,
     annotations: &[Annotation],
@@ -54,7 +53,7 @@ fn region_of(position_m: [f32; 3], view: &CameraFieldOfView<'_>) -> PointRegion 
     let [x, y, z] = position_m.map(f64::from);
     let projected = view.image_from_velodyne * Vector4::new(x, y, z, 1.0);
     let [width_px, height_px] = view.image_size_px.map(f64::from);
-    // Multiplied by the depth rather than divided: most points are behind the camera or beside the image.
+    // Multiplied by the depth instead of divided by it: most points are behind the camera or beside the image.
     let depth = projected.z;
     let in_image = depth > 0.0
         && projected.x >= 0.0

@@ -1,4 +1,4 @@
-//! From a scan and KITTI's labels for it to a labelled scan.
+//! Makes a labelled scan of a scan and KITTI's labels for it.
 
 use detector::OrientedBox;
 
@@ -11,14 +11,14 @@ use crate::dataset::data_sheet::LabeledRegion;
 use crate::dataset::points_of_boxes::points_of_boxes;
 use crate::dataset::positioned_points::PositionedPoints;
 
-/// What KITTI says about one scan.
+/// KITTI's labels and calibration for one scan.
 #[derive(Debug, Clone, Copy)]
 pub struct KittiGroundTruth<'a> {
-    /// How camera and sensor lie to each other.
+    /// Transforms between camera and sensor.
     pub calibration: &'a KittiCalibration,
     /// Width and height of the camera's image in pixels.
     pub image_size_px: [u32; 2],
-    /// Where the labels say something.
+    /// The part of the scan that is labelled.
     pub labeled_region: LabeledRegion,
     /// The labels of the scan.
     pub labels: &'a [KittiLabel],
@@ -26,8 +26,8 @@ pub struct KittiGroundTruth<'a> {
 
 /// The scan `id` with its labels: annotations in the order of the labels, each with the points inside its box.
 ///
-/// Where boxes overlap, [`points_of_boxes`] says whose a point is. An object marked as not to be judged stays an
-/// annotation, and its points become unscorable.
+/// Where boxes overlap, [`points_of_boxes`] decides which one a point belongs to. An object marked as not to be judged stays
+/// an annotation, and its points become unscorable.
 pub fn label_scan(id: ScanId, points: PositionedPoints, truth: &KittiGroundTruth<'_>) -> LabeledScan {
     let (cloud, points_left_out) = points.into_parts();
     let (objects, dont_care) = objects_and_dont_care(truth.labels);
@@ -73,7 +73,7 @@ fn objects_and_dont_care(labels: &[KittiLabel]) -> (Vec<&KittiObject>, Vec<Image
     (objects, dont_care)
 }
 
-/// What a label says, with its box in the frame of the sensor and the points in it.
+/// The annotation for `object`, with its box in the frame of the sensor and the points in it.
 pub fn annotation_of(object: &KittiObject, bounding_box: OrientedBox, point_indices: Vec<u32>) -> Annotation {
     Annotation {
         class: object.class,

@@ -1,10 +1,10 @@
-//! Which part of the image shows a box.
+//! The part of the image that shows a box.
 
 use detector::OrientedBox;
 use nalgebra::{Matrix3x4, Vector4};
 
-/// The rectangle of the image, in pixels, around what the camera sees of the corners of a box: left, top, right and bottom.
-/// `None` if the box lies beside the image, or not wholly before the camera.
+/// The rectangle of the image, in pixels, around the corners of a box, cut to the image: left, top, right and bottom. `None`
+/// if the box lies beside the image, or not wholly before the camera.
 pub fn image_box(
     bounding_box: &OrientedBox,
     image_from_velodyne: &Matrix3x4<f64>,
@@ -29,7 +29,7 @@ pub fn image_box(
             ];
         }
     }
-    // The last pixel is one less than the size.
+    // The index of the last pixel is one less than the size.
     let [last_right_px, last_down_px] = image_size_px.map(|it| f64::from(it) - 1.0);
     let [left_px, top_px, right_px, bottom_px] = around_px;
     let is_seen = right_px > 0.0 && left_px < last_right_px && bottom_px > 0.0 && top_px < last_down_px;

@@ -10,7 +10,7 @@ use crate::dataset::class_name::plain_name;
 use crate::dataset::class_table::{ClassReader, Vocabulary};
 use crate::dataset::text_file::{TextLine, quoted, text_lines};
 
-/// What the benchmarks label. Buses are labelled as trucks; poles and trees are not labelled at all.
+/// The labelled classes. Buses are labelled as trucks; poles and trees are not labelled at all.
 pub const KITTI_CLASSES: [AnnotationClass; 8] = [
     AnnotationClass::Car,
     AnnotationClass::Van,
@@ -22,7 +22,7 @@ pub const KITTI_CLASSES: [AnnotationClass; 8] = [
     AnnotationClass::Misc,
 ];
 
-/// Names for classes that the benchmarks do not have, as they stand in converted data sets.
+/// Names for classes that the benchmarks do not have, as converted data sets write them.
 pub const WRITTEN_CLASSES: [(&str, AnnotationClass); 8] = [
     ("Bus", AnnotationClass::Bus),
     ("ParkedCycle", AnnotationClass::ParkedCycle),
@@ -34,13 +34,13 @@ pub const WRITTEN_CLASSES: [(&str, AnnotationClass); 8] = [
     ("StreetFurniture", AnnotationClass::StreetFurniture),
 ];
 
-/// Names that mean something else in KITTI than elsewhere: the tracking benchmark's *person* sits.
+/// Names with another meaning in KITTI than elsewhere: the tracking benchmark's *person* sits.
 pub const KITTI_VOCABULARY: &Vocabulary = &[("Person", AnnotationClass::SittingPerson)];
 
-/// The occlusion of unlikely vehicles in files of results that we write: evaluators of KITTI do not look at that of results.
+/// The occlusion of unlikely vehicles in results that we write: KITTI's evaluators ignore the occlusion of results.
 pub const UNLIKELY_OCCLUSION: i64 = -2;
 
-/// What stands instead of a class where objects were not labelled.
+/// The word in place of a class where objects were not labelled.
 const DONT_CARE: &str = "DontCare";
 
 /// One line of a label file.
@@ -55,26 +55,26 @@ pub enum KittiLabel {
 /// A labelled object.
 #[derive(Debug, Clone, PartialEq)]
 pub struct KittiObject {
-    /// What it is.
+    /// Its class.
     pub class: AnnotationClass,
     /// Number of the object within its drive; only in the tracking benchmark.
     pub track: Option<u32>,
-    /// How much of it is hidden; `None` where the file says *unknown*.
+    /// How much of it is hidden; `None` where it is *unknown* in the file.
     pub occlusion: Option<Occlusion>,
     /// How much of it the image cuts off.
     pub truncation: Truncation,
-    /// Where it is.
+    /// Its box.
     pub camera_box: CameraBox,
-    /// How sure a detector is of it, in files of results.
+    /// How sure a detector is of it; `None` outside files of results.
     pub score: Option<f64>,
-    /// What else the line says, for evaluations that look at the image.
+    /// Its values in the image, for evaluations that use the image.
     pub in_image: SeenInImage,
 }
 
-/// What a line says of an object in the image, as it says it.
+/// Values of an object in the image, unchanged from its line.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct SeenInImage {
-    /// The rectangle around what is seen of it; −1 four times where that is nothing.
+    /// The rectangle around its visible part; −1 four times if nothing is visible.
     pub image_box: ImageBox,
     /// Its heading as the camera sees it, in radians; −10 if unknown.
     pub alpha_rad: f64,
@@ -89,9 +89,9 @@ pub struct SeenInImage {
 pub enum Truncation {
     /// This share, 0 to 1.
     Share(f32),
-    /// Not said, or cut off by an unknown share.
+    /// Not stated, or cut off by an unknown share.
     Unknown,
-    /// The people who labelled it marked the object as not to be judged, mostly where its track begins or ends.
+    /// The annotators marked the object as not to be judged, mostly where its track begins or ends.
     Ignored,
 }
 
@@ -114,7 +114,7 @@ pub struct ImageBox {
 }
 
 impl KittiLabel {
-    /// The object; `None` of a part of the image without labels.
+    /// The object; `None` for a part of the image without labels.
     pub fn object(&self) -> Option<&KittiObject> {
         match self {
             Self::Object(object) => Some(object),
@@ -127,7 +127,7 @@ impl KittiLabel {
 ///
 /// `path` is named in errors. Scans without objects are missing from the result.
 ///
-/// Classes that nobody knows are noted in `classes`, and their lines left out.
+/// Unknown classes are noted in `classes`, and their lines left out.
 pub fn parse_tracking_labels(
     path: &Path,
     text: &str,
@@ -166,7 +166,7 @@ pub fn parse_object_labels(
     Ok(labels)
 }
 
-/// The fields that both benchmarks have; `None` for a class that nobody knows.
+/// The fields that both benchmarks have; `None` for an unknown class.
 fn parse_label(
     mut line: TextLine<'_>,
     track: Option<u32>,
@@ -205,7 +205,7 @@ fn parse_label(
     })))
 }
 
-/// What a line is about.
+/// Class in a line.
 enum LineClass {
     DontCare,
     Unknown,
@@ -226,7 +226,7 @@ fn parse_class(line: &mut TextLine<'_>, classes: &mut ClassReader<'_>) -> Result
     }
 }
 
-/// The outer `None` is an error, the inner one *unknown*.
+/// The outer `None` is an error, the inner one means *unknown*.
 #[expect(clippy::option_option, reason = "the caller turns the outer one into an error at once")]
 fn parse_occlusion(occluded: i64, is_result: bool) -> Option<Option<Occlusion>> {
     match occluded {
@@ -248,9 +248,9 @@ fn object_truncation(truncated: f64) -> Option<Truncation> {
     }
 }
 
-/// The tracking benchmark gives levels: 0 whole, 1 cut off by whatever share, 2 ignored.
+/// The tracking benchmark gives levels: 0 whole, 1 cut off by any share, 2 ignored.
 ///
-/// Its documentation speaks of a share all the same, so that shares between are taken for such.
+/// But its documentation speaks of a share, so values between are taken for shares.
 fn tracking_truncation(truncated: f64) -> Option<Truncation> {
     match truncated {
         1.0 => Some(Truncation::Unknown),

@@ -1,4 +1,4 @@
-//! Where the scans of KITTI's object benchmark come from: their raw drives and times, as the development kit lists them.
+//! Origins of the scans of KITTI's object benchmark: their raw drives and times, as the development kit lists them.
 //!
 //! ```text
 //! mapping/train_rand.txt      numbers with commas between them: the i-th, from 0, is the line of scan i
@@ -11,17 +11,17 @@ use std::path::{Path, PathBuf};
 use crate::dataset::DatasetError;
 use crate::dataset::text_file::{TextLine, quoted, read_text_file, text_lines};
 
-/// The folders beside the split that may hold both files: the kit unpacked there, with a folder of its own or without.
+/// The folders beside the split that may hold both files: the kit unpacked there, with or without a folder of its own.
 const FOLDERS: [&str; 2] = ["mapping", "devkit_object/mapping"];
-/// A line for each scan.
+/// The file with a line for each scan.
 const MAPPING: &str = "train_mapping.txt";
-/// A permutation of the lines.
+/// The file with a permutation of the lines.
 const RAND: &str = "train_rand.txt";
 
 /// KITTI's scanner turns ten times a second.
 const SCAN_PERIOD_NS: u64 = 100_000_000;
 
-/// The raw scan that a scan of the benchmark is.
+/// The raw scan that is a scan of the benchmark.
 #[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord)]
 pub struct RawScan {
     /// The drive, such as `2011_09_26_drive_0005_sync`.
@@ -30,7 +30,7 @@ pub struct RawScan {
     pub time_ns: u64,
 }
 
-/// Raw scans by the numbers that they have in the benchmark.
+/// Raw scans by their numbers in the benchmark.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct RawMapping {
     scans: Vec<RawScan>,
@@ -38,10 +38,9 @@ pub struct RawMapping {
 }
 
 impl RawMapping {
-    /// The mapping beside the split `training`; `None` if there is none, or it is another split: only that one has a
-    /// mapping.
+    /// The mapping beside the split `training`; `None` if there is none, or for another split, since no other has a mapping.
     pub fn beside(split: &Path) -> Result<Option<Self>, DatasetError> {
-        // `.` and `..` have no name of their own, and what is called so may be a link to another directory.
+        // `.` and `..` have no name of their own, and a folder with this name may be a link to another one.
         let canonical = split.canonicalize().unwrap_or_else(|_| split.to_path_buf());
         let splits = [split, canonical.as_path()]
             .into_iter()

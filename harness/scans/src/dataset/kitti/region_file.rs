@@ -1,6 +1,6 @@
-//! Where the labels of a converted data set say something, point by point: a byte for every point of the scan.
+//! The labelled region of a converted data set, point by point: a byte for every point of the scan.
 //!
-//! KITTI's own layouts can say no more than which camera looked at the street.
+//! KITTI's own layouts can only state which camera looked at the street.
 
 use std::path::Path;
 
@@ -9,17 +9,17 @@ use crate::dataset::on_disk::{bytes_of, is_there};
 use crate::dataset::positioned_points::values_of_kept;
 use crate::dataset::{DatasetDescription, DatasetError};
 
-/// The file that belongs to the scan called `name`, relative to the split.
+/// The file for the scan `name`, relative to the split.
 pub fn point_region_file(name: &str) -> String {
     format!("point_region/{name}.u8")
 }
 
-/// The content of such a file.
+/// The content of a file with these regions.
 pub fn region_bytes(regions: &[PointRegion]) -> Vec<u8> {
     regions.iter().map(|it| it.number()).collect()
 }
 
-/// The scan called `name` with the regions that the file beside it says.
+/// The scan `name` with the regions in the file beside it.
 pub fn with_regions_of_file(
     mut scan: LabeledScan,
     dataset: &DatasetDescription,
@@ -30,8 +30,8 @@ pub fn with_regions_of_file(
     Ok(scan)
 }
 
-/// The regions of the points of `scan`, of a file with one for each point of the scan's file; all is labelled where there is
-/// none.
+/// The regions of the points of `scan`, from a file with one for each point of the scan's file; all is labelled if there is
+/// no file.
 fn read_point_regions(path: &Path, scan: &LabeledScan) -> Result<Vec<PointRegion>, DatasetError> {
     if !is_there(path) {
         return Ok(vec![PointRegion::Labeled; scan.cloud.len()]);

@@ -1,4 +1,4 @@
-//! Lists of scans that belong together, as splits of KITTI's object benchmark are passed on: a number a line.
+//! Lists of scans that belong together, as splits of KITTI's object benchmark are published: one number per line.
 
 use std::collections::BTreeSet;
 use std::path::Path;
@@ -6,7 +6,7 @@ use std::path::Path;
 use crate::dataset::DatasetError;
 use crate::dataset::text_file::{read_text_file, text_lines};
 
-/// The numbers in the list at `path`, in whatever order, with or without leading zeros.
+/// The numbers in the list at `path`, in any order, with or without leading zeros.
 pub fn read_scan_list(path: &Path) -> Result<BTreeSet<u32>, DatasetError> {
     let text = read_text_file(path)?;
     let mut numbers = BTreeSet::new();

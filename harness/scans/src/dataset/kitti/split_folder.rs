@@ -1,5 +1,5 @@
-//! The folder of a KITTI split (`training`) or of a benchmark like it, whose files are checked for existence and taken into
-//! the checksum as they are read.
+//! The folder of a KITTI split (`training`) or of a benchmark like it. Its files are checked for existence and added to the
+//! checksum as they are read.
 
 use std::path::{Path, PathBuf};
 
@@ -38,24 +38,24 @@ impl SplitFolder {
         Err(DatasetError::unlabeled(&folder.path_of("velodyne"), &folder.path_of(labels)))
     }
 
-    /// The folder `path`, whatever is in it.
+    /// The folder `path` with any content.
     pub fn unchecked(path: &Path) -> Self {
         Self { path: path.to_path_buf(), checksum: DatasetChecksum::default(), sizes: ScanSizes::default() }
     }
 
-    /// Where the file `name` lies.
+    /// The path of the file `name`.
     pub fn path_of(&self, name: &str) -> PathBuf {
         self.path.join(name)
     }
 
-    /// Takes the size of the scan `name` into the checksum, and returns where it lies.
+    /// Adds the size of the scan `name` to the checksum, and returns its path.
     pub fn add_scan(&mut self, name: &str) -> PathBuf {
         let path = self.path_of(name);
         self.checksum.add_scan(name, self.sizes.n_bytes_of(&path));
         path
     }
 
-    /// Reads the text file `name` and takes it into the checksum; `missing` makes the error if it does not exist.
+    /// Reads the text file `name` and adds it to the checksum; `missing` makes the error if it does not exist.
     pub fn read_text(
         &mut self,
         name: &str,
@@ -71,7 +71,7 @@ impl SplitFolder {
         Ok(text)
     }
 
-    /// Reads the text file `name` and takes it into the checksum, or returns `None` if it does not exist.
+    /// Reads the text file `name` and adds it to the checksum; `None` if it does not exist.
     pub fn read_text_if_present(&mut self, name: &str) -> Result<Option<String>, DatasetError> {
         if is_there(&self.path_of(name)) {
             self.read_text(name, DatasetError::missing_selected).map(Some)
@@ -80,21 +80,21 @@ impl SplitFolder {
         }
     }
 
-    /// Width and height in pixels of `image`, taken into the checksum as those of `name`.
+    /// Width and height in pixels of `image`, added to the checksum under `name`.
     ///
-    /// Where `image` does not exist, the size is that of most drives, 1242 × 375: no text file of KITTI has it, and the
-    /// images are a download of their own that scans do not need.
+    /// If `image` does not exist, the size is that of most drives, 1242 × 375: no text file of KITTI states it, and the
+    /// images are a separate download that scans do not need.
     pub fn image_size_px(&mut self, name: &str, image: &Path) -> Result<[u32; 2], DatasetError> {
         let size_px = if is_there(image) { png_size_px(image)? } else { USUAL_IMAGE_SIZE_PX };
         self.checksum.add_image_size(name, size_px);
         Ok(size_px)
     }
 
-    /// The checksum of all that was read.
+    /// The checksum of all files that were read.
     ///
     /// # Errors
     ///
-    /// If scans cannot be read and damage is to be refused.
+    /// If scans cannot be read, unless damage is skipped.
     pub fn finish(self, damage: DamagePolicy) -> Result<String, DatasetError> {
         self.sizes.check(&self.path, damage)?;
         Ok(self.checksum.finish())

@@ -1,4 +1,4 @@
-//! The calibration of a day: how sensor, cameras and the inertial unit lie to each other.
+//! The calibration of a day: transforms between sensor, cameras and the inertial unit.
 //!
 //! ```text
 //! calib_velo_to_cam.txt   R, T: from the sensor to camera 0
@@ -15,7 +15,7 @@ use crate::dataset::DatasetError;
 use crate::dataset::kitti::calibration::check_rotation;
 use crate::dataset::text_file::text_lines;
 
-/// What the left colour camera sees, and the rectified frame of the cameras.
+/// The view of the left colour camera, and the rectified frame of the cameras.
 #[derive(Debug, Clone, PartialEq)]
 pub struct CameraView {
     /// From homogeneous velodyne coordinates to homogeneous pixels of camera 2.
@@ -26,7 +26,7 @@ pub struct CameraView {
     pub image_size_px: [u32; 2],
 }
 
-/// Reads what the camera sees from the texts of `calib_velo_to_cam.txt` and `calib_cam_to_cam.txt`.
+/// Reads the view of the camera from the texts of `calib_velo_to_cam.txt` and `calib_cam_to_cam.txt`.
 pub fn parse_camera_view(
     velo_to_cam: (&Path, &str),
     cam_to_cam: (&Path, &str),
@@ -61,7 +61,7 @@ pub fn parse_transform(path: &Path, text: &str) -> Result<Isometry3<f64>, Datase
     Ok(Isometry3::from_parts(Translation3::from(Vector3::from(shift)), rotation))
 }
 
-/// The numbers of the lines that are looked at, by name.
+/// The numbers of the lines that are used, by name.
 struct Entries<'a> {
     path: &'a Path,
     numbers: BTreeMap<&'static str, Vec<f64>>,

@@ -7,7 +7,7 @@
 //! DATE/DATE_drive_NNNN_sync/oxts/data/NNNNNNNNNN.txt   optional: poses
 //! ```
 //!
-//! The folder that is named may be that of all days, of a day, or of a drive.
+//! The folder of a data set may be that of all days, of a day, or of a drive.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
@@ -55,7 +55,7 @@ struct KittiRaw {
 #[derive(Debug)]
 struct Drive {
     folder: PathBuf,
-    /// `None` where nothing is labelled.
+    /// `None` if the drive is not labelled.
     labels: Option<Labels>,
     times_ns: Vec<u64>,
     poses: Option<Poses>,
@@ -80,7 +80,7 @@ pub fn is_kitti_raw(folder: &Path) -> bool {
 
 /// Opens the folder of `source`: all drives, or only those of `sequences`, such as `2011_09_26_drive_0001_sync`.
 ///
-/// Scans and poses are not looked into.
+/// No scan is read, and of the poses only the first of each drive.
 pub fn open_kitti_raw(mut source: DatasetSource) -> Result<Box<dyn Dataset>, DatasetError> {
     let sequences = source.parts.sequences.take();
     let (mut scan_ids, mut drives, mut checksum) = (Vec::new(), BTreeMap::new(), DatasetChecksum::default());
@@ -185,7 +185,7 @@ impl Dataset for KittiRaw {
     }
 
     fn foreign_frame(&self, scan_idx: usize) -> Result<ForeignFrame, DatasetError> {
-        // The cameras' calibration is read with the labels.
+        // The calibration of the cameras is read with the labels.
         let labels = self.drives[&self.scan_ids()[scan_idx].sequence].labels.as_ref();
         Ok(labels.map_or(ForeignFrame::Sensor, |it| ForeignFrame::Camera {
             velodyne_from_camera: it.view.velodyne_from_camera,
@@ -268,14 +268,14 @@ fn read_fix(poses: &Path, scan: u32) -> Result<InertialFix, DatasetError> {
     parse_inertial_fix(&path, &read_text_file(&path)?)
 }
 
-/// That of the file with the lowest number: the origin of all poses.
+/// The fix of the file with the lowest number: the origin of all poses.
 fn first_fix(poses: &Path) -> Result<InertialFix, DatasetError> {
     let first = entries_of(poses)?.into_iter().find(|it| has_extension(it, "txt"));
     let path = first.ok_or_else(|| DatasetError::no_scans(poses))?;
     parse_inertial_fix(&path, &read_text_file(&path)?)
 }
 
-/// One time a line, such as `2011-09-26 13:02:25.951199337`, of which the zone is not said: nanoseconds as of UTC.
+/// Times in nanoseconds, one per line, such as `2011-09-26 13:02:25.951199337`. Their zone is not stated; UTC is assumed.
 fn parse_times(path: &Path, text: &str, last_scan: u32) -> Result<Vec<u64>, DatasetError> {
     let mut times_ns = Vec::new();
     for (line, content) in (1..).zip(text.lines().filter(|it| !it.trim().is_empty())) {

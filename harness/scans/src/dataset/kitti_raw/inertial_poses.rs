@@ -1,4 +1,4 @@
-//! `oxts/data/NNNNNNNNNN.txt`: where the inertial unit was, as latitude, longitude and height, and how it was turned.
+//! `oxts/data/NNNNNNNNNN.txt`: poses of the inertial unit, as latitude, longitude, height and turn.
 
 use std::path::Path;
 
@@ -7,7 +7,7 @@ use nalgebra::{Isometry3, Translation3, UnitQuaternion};
 use crate::dataset::DatasetError;
 use crate::dataset::text_file::text_lines;
 
-/// As the makers' tools have it, in metres.
+/// Radius in the makers' tools, in metres.
 const EARTH_RADIUS_M: f64 = 6_378_137.0;
 
 /// The line of one scan.
@@ -19,7 +19,7 @@ pub struct InertialFix {
     roll_pitch_yaw_rad: [f64; 3],
 }
 
-/// Reads the file of one scan; of its thirty numbers the first six say where the unit was.
+/// Reads the file of one scan; the first six of its thirty numbers are the pose of the unit.
 pub fn parse_inertial_fix(path: &Path, text: &str) -> Result<InertialFix, DatasetError> {
     let Some(mut line) = text_lines(path, text).next() else {
         return Err(DatasetError::Damaged { path: path.to_path_buf(), problem: "is empty".to_owned() });
@@ -34,9 +34,9 @@ pub fn parse_inertial_fix(path: &Path, text: &str) -> Result<InertialFix, Datase
 }
 
 impl InertialFix {
-    /// Where the unit was in a frame with x to the east, y to the north and z up, whose origin is at `origin`.
+    /// The pose of the unit in a frame with x to the east, y to the north and z up, whose origin is at `origin`.
     ///
-    /// A Mercator projection that keeps lengths at the latitude of `origin`, as the makers' tools have it.
+    /// A Mercator projection that keeps lengths at the latitude of `origin`, as in the makers' tools.
     pub fn world_from_unit(&self, origin: &Self) -> Isometry3<f64> {
         let scale_m = origin.latitude_rad.cos() * EARTH_RADIUS_M;
         let northward =

@@ -12,7 +12,7 @@ use crate::annotation::Annotation;
 use crate::dataset::DatasetError;
 use crate::dataset::class_table::ClassReader;
 
-/// The states of a pose: nobody set it; the others are drawn between two, and set by hand.
+/// The state of a pose that was not set; the others are interpolated between two poses, and set by hand.
 const UNSET: &str = "0";
 
 /// Numbers beyond this are mistakes.
@@ -71,7 +71,7 @@ impl Pose {
         }
     }
 
-    /// Inside the image; outside or behind. What the image cuts has no share.
+    /// 0 inside the image, 1 outside or behind. Objects that the image cuts have no share.
     fn truncation(&self) -> Option<f32> {
         match self.truncation.as_deref() {
             Some("0") => Some(0.0),
@@ -84,7 +84,7 @@ impl Pose {
 /// Reads the labels in `text`: annotations without points by number of the scan, in the frame of the sensor; tracks are
 /// numbered in the order of the file. Poses whose state is *unset* are left out.
 ///
-/// `path` is named in errors. Objects whose class nobody knows are noted in `classes` and left out.
+/// `path` is named in errors. Objects of unknown classes are noted in `classes` and left out.
 ///
 /// Entities are not expanded.
 pub fn parse_tracklets(

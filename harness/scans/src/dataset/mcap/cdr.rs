@@ -1,7 +1,7 @@
-//! Common Data Representation, in which ROS 2 encodes messages: numbers aligned to their size, in the byte order that the
-//! first bytes name.
+//! Common Data Representation, the encoding of messages in ROS 2: numbers aligned to their size, in the byte order that the
+//! first bytes state.
 
-/// Takes a message apart from front to back. Errors are the rest of a sentence about the file.
+/// Reads the parts of a message from front to back. Errors are the rest of a sentence about the file.
 #[derive(Debug, Clone)]
 pub struct CdrReader<'a> {
     bytes: &'a [u8],
@@ -68,7 +68,7 @@ impl<'a> CdrReader<'a> {
         self.number().map(f64::from_le_bytes)
     }
 
-    /// `N` of those.
+    /// `N` numbers of eight bytes with a fraction.
     pub fn f64s<const N: usize>(&mut self) -> Result<[f64; N], String> {
         let mut numbers = [0.0; N];
         for number in &mut numbers {
@@ -90,13 +90,13 @@ impl<'a> CdrReader<'a> {
         self.take(n as usize)
     }
 
-    /// As many of what `element` reads as the message says.
+    /// A list of elements, after their number; `element` reads one.
     pub fn list<T>(
         &mut self,
         mut element: impl FnMut(&mut Self) -> Result<T, String>,
     ) -> Result<Vec<T>, String> {
         let n = self.u32()?;
-        // Grown as elements are found: the number is only what the message claims.
+        // Grown as elements are found: their number may be false.
         let mut list = Vec::new();
         for _ in 0..n {
             list.push(element(self)?);

@@ -1,15 +1,15 @@
-//! Chunks of an MCAP file: decompressed, checked, and taken apart into records.
+//! Chunks of an MCAP file: decompresses them, checks them, and divides them into records.
 
 use std::io::Read as _;
 
 use mcap::records::ChunkHeader;
 
-/// A chunk may grow to this many bytes, or to so many times its compressed size, whichever is more. Real scans shrink to a
+/// A chunk may grow to this many bytes, or to this many times its compressed size, whichever is more. Real scans shrink to a
 /// third; a chunk that claims more is no recording of a sensor.
 const MAX_CHUNK_BYTES: u64 = 64 << 20;
 const MAX_GROWTH: u64 = 64;
 
-/// The records of a chunk, one after the other. `problem`s are the rest of a sentence about the file.
+/// The decompressed records of a chunk, one after the other. Errors are the rest of a sentence about the file.
 pub fn decompressed(header: &ChunkHeader, compressed: &[u8]) -> Result<Vec<u8>, String> {
     let limit = MAX_CHUNK_BYTES.max(compressed.len() as u64 * MAX_GROWTH);
     if header.uncompressed_size > limit {
@@ -18,7 +18,7 @@ pub fn decompressed(header: &ChunkHeader, compressed: &[u8]) -> Result<Vec<u8>, 
     }
     let size = header.uncompressed_size as usize;
     let mut records = Vec::new();
-    // One byte more than announced, so that a chunk that goes on is noticed.
+    // One byte more than announced, so that a chunk that is too long is noticed.
     let read = match header.compression.as_str() {
         "" => {
             records.extend_from_slice(compressed);
@@ -46,7 +46,7 @@ pub fn decompressed(header: &ChunkHeader, compressed: &[u8]) -> Result<Vec<u8>, 
 /// Opcode and length of a record.
 pub const N_RECORD_HEADER_BYTES: usize = 9;
 
-/// The record that begins at `offset` of `records`: its opcode, its body, and where the next one begins.
+/// The record that begins at `offset` of `records`: its opcode, its body, and the start of the next one.
 pub fn record_at(records: &[u8], offset: usize) -> Option<(u8, &[u8], usize)> {
     let header = records.get(offset..)?.first_chunk::<N_RECORD_HEADER_BYTES>()?;
     let (opcode, n_bytes) = split_header(header);
@@ -55,7 +55,7 @@ pub fn record_at(records: &[u8], offset: usize) -> Option<(u8, &[u8], usize)> {
     Some((opcode, records.get(begin..end)?, end))
 }
 
-/// Opcode and length of the body.
+/// Opcode of a record and length of its body.
 pub fn split_header(header: &[u8; N_RECORD_HEADER_BYTES]) -> (u8, u64) {
     let [opcode, length @ ..] = header;
     (*opcode, u64::from_le_bytes(*length))

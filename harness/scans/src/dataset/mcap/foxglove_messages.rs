@@ -1,6 +1,6 @@
 //! The messages of Foxglove that are read and written, in protobuf and in JSON.
 //!
-//! Only the fields that mean something here are declared; both decoders skip the others.
+//! Only the fields that are used here are declared; both decoders skip the others.
 
 use std::fmt;
 
@@ -45,13 +45,13 @@ pub struct Timestamp {
 }
 
 impl Timestamp {
-    /// In nanoseconds; 0 for what is before the start of time.
+    /// The time in nanoseconds; 0 if it is before the start of time.
     pub fn nanoseconds(self) -> u64 {
         let nanoseconds = self.seconds.saturating_mul(1_000_000_000).saturating_add(i64::from(self.nanos));
         u64::try_from(nanoseconds).unwrap_or(0)
     }
 
-    /// From nanoseconds.
+    /// The time stamp for a time in nanoseconds.
     pub fn from_nanoseconds(nanoseconds: u64) -> Self {
         let (seconds, nanos) = (nanoseconds / 1_000_000_000, nanoseconds % 1_000_000_000);
         Self { seconds: seconds as i64, nanos: nanos as i32 }
@@ -91,20 +91,20 @@ pub struct Quaternion {
     pub w: f64,
 }
 
-/// Where something is and how it is turned.
+/// Position and turn of an object.
 #[derive(Clone, Copy, PartialEq, prost::Message, Deserialize)]
 #[serde(default)]
 pub struct Pose {
-    /// Where.
+    /// Its position.
     #[prost(message, optional, tag = "1")]
     pub position: Option<Vector3>,
-    /// How.
+    /// Its turn.
     #[prost(message, optional, tag = "2")]
     pub orientation: Option<Quaternion>,
 }
 
 impl Pose {
-    /// As a transform. Errors are the rest of a sentence about the file.
+    /// The pose as a transform. Errors are the rest of a sentence about the file.
     pub fn isometry(&self) -> Result<Isometry3<f64>, String> {
         let (at, turn) = (self.position.unwrap_or_default(), self.orientation.unwrap_or_default());
         isometry([at.x, at.y, at.z], [turn.x, turn.y, turn.z, turn.w])
@@ -118,10 +118,10 @@ pub struct PackedElementField {
     /// Its name.
     #[prost(string, tag = "1")]
     pub name: String,
-    /// Where it begins in a point.
+    /// Its start in a point, in bytes.
     #[prost(fixed32, tag = "2")]
     pub offset: u32,
-    /// How it is stored.
+    /// Foxglove's number for its type.
     #[prost(int32, tag = "3")]
     #[serde(rename = "type")]
     pub number: i32,
@@ -137,13 +137,13 @@ pub struct PointCloud {
     /// The frame that `pose` is in.
     #[prost(string, tag = "2")]
     pub frame_id: String,
-    /// Where the origin of the points is.
+    /// The pose of the origin of the points.
     #[prost(message, optional, tag = "3")]
     pub pose: Option<Pose>,
-    /// Bytes of a point.
+    /// Number of bytes of a point.
     #[prost(fixed32, tag = "4")]
     pub point_stride: u32,
-    /// What a point is made of.
+    /// The fields of a point.
     #[prost(message, repeated, tag = "5")]
     #[serde(deserialize_with = "few_fields")]
     pub fields: Vec<PackedElementField>,
@@ -154,7 +154,7 @@ pub struct PointCloud {
 }
 
 impl PointCloud {
-    /// The points, as they lie in the message. Errors are the rest of a sentence about the file.
+    /// The points in the layout of the message. Errors are the rest of a sentence about the file.
     pub fn packed(&self) -> Result<PackedPoints<'_>, String> {
         let field = |field: &PackedElementField| {
             let (name, offset) = (field.name.clone(), field.offset as usize);
@@ -191,7 +191,7 @@ fn number_type(number: i32) -> Result<NumberType, String> {
     })
 }
 
-/// The number that Foxglove has for a type.
+/// Foxglove's number for a type.
 pub fn number_of(number: NumberType) -> i32 {
     match number {
         NumberType::U8 => 1,
@@ -205,7 +205,7 @@ pub fn number_of(number: NumberType) -> i32 {
     }
 }
 
-/// A cloud of which only the time is looked at.
+/// A cloud of which only the time is read.
 #[derive(Clone, Copy, PartialEq, Eq, prost::Message, Deserialize)]
 #[serde(default)]
 pub struct CloudTime {
@@ -214,11 +214,11 @@ pub struct CloudTime {
     pub timestamp: Option<Timestamp>,
 }
 
-/// One frame within another.
+/// The pose of one frame within another.
 #[derive(Clone, PartialEq, prost::Message, Deserialize)]
 #[serde(default)]
 pub struct FrameTransform {
-    /// Since when.
+    /// The time from which on it holds.
     #[prost(message, optional, tag = "1")]
     pub timestamp: Option<Timestamp>,
     /// The frame that the other lies in.
@@ -227,16 +227,16 @@ pub struct FrameTransform {
     /// The frame that lies in the other.
     #[prost(string, tag = "3")]
     pub child_frame_id: String,
-    /// Where it lies.
+    /// Position of the child in the parent.
     #[prost(message, optional, tag = "4")]
     pub translation: Option<Vector3>,
-    /// How it is turned.
+    /// Turn of the child in the parent.
     #[prost(message, optional, tag = "5")]
     pub rotation: Option<Quaternion>,
 }
 
 impl FrameTransform {
-    /// In the terms of both kinds of recordings. Errors are the rest of a sentence about the file.
+    /// The transform in the type for both kinds of recordings. Errors are the rest of a sentence about the file.
     pub fn stamped(&self) -> Result<StampedTransform, String> {
         let pose = Pose { position: self.translation, orientation: self.rotation };
         Ok(StampedTransform {
@@ -248,11 +248,11 @@ impl FrameTransform {
     }
 }
 
-/// Several of those.
+/// Several transforms.
 #[derive(Clone, PartialEq, prost::Message, Deserialize)]
 #[serde(default)]
 pub struct FrameTransforms {
-    /// In any order.
+    /// The transforms, in any order.
     #[prost(message, repeated, tag = "1")]
     pub transforms: Vec<FrameTransform>,
 }
@@ -276,7 +276,7 @@ pub fn decode<M: prost::Message + Default + serde::de::DeserializeOwned>(
 ///
 /// # Errors
 ///
-/// As [`decode`]; also if its points have more fields than any have, each of which would take more memory than bytes.
+/// As [`decode`]; also if its points have more fields than any real ones, as each takes more memory than bytes.
 pub fn decode_cloud(encoding: &str, bytes: &[u8]) -> Result<PointCloud, String> {
     if encoding == "protobuf" && n_fields_in(bytes) > MAX_FIELDS {
         return Err(format!("has a cloud with more than {MAX_FIELDS} fields"));
@@ -284,7 +284,7 @@ pub fn decode_cloud(encoding: &str, bytes: &[u8]) -> Result<PointCloud, String> 
     decode(encoding, bytes)
 }
 
-/// How many descriptions of fields a cloud in protobuf has, as far as it can be read.
+/// Number of descriptions of fields in a cloud in protobuf, as far as it can be read.
 fn n_fields_in(mut bytes: &[u8]) -> usize {
     const FIELDS: u32 = 5;
     let mut n_fields = 0;

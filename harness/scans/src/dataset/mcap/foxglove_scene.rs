@@ -29,7 +29,7 @@ pub struct Color {
     /// Blue.
     #[prost(double, tag = "3")]
     pub b: f64,
-    /// How little shines through.
+    /// Opacity.
     #[prost(double, tag = "4")]
     pub a: f64,
 }
@@ -55,13 +55,13 @@ pub struct LinePrimitive {
     /// 0 for one line through all points, 2 for one between each two of them.
     #[prost(int32, tag = "1")]
     pub kind: i32,
-    /// Where the origin of the points is.
+    /// The pose of the origin of the points.
     #[prost(message, optional, tag = "2")]
     pub pose: Option<Pose>,
-    /// How thick they are, in metres, or in pixels.
+    /// Thickness of the lines, in metres or in pixels.
     #[prost(double, tag = "3")]
     pub thickness: f64,
-    /// Whether in pixels.
+    /// Whether the thickness is in pixels.
     #[prost(bool, tag = "4")]
     pub scale_invariant: bool,
     /// The points.
@@ -76,39 +76,39 @@ pub struct LinePrimitive {
 #[derive(Clone, PartialEq, prost::Message, Deserialize)]
 #[serde(default)]
 pub struct SceneEntity {
-    /// Since when it is there.
+    /// The time from which on it is there.
     #[prost(message, optional, tag = "1")]
     pub timestamp: Option<Timestamp>,
     /// The frame of its shapes.
     #[prost(string, tag = "2")]
     pub frame_id: String,
-    /// What it is called.
+    /// Its name.
     #[prost(string, tag = "3")]
     pub id: String,
-    /// What else is known about it.
+    /// More facts about it.
     #[prost(message, repeated, tag = "6")]
     pub metadata: Vec<KeyValuePair>,
     /// Its boxes.
     #[prost(message, repeated, tag = "8")]
     pub cubes: Vec<CubePrimitive>,
-    /// Its lines, which are written and never looked at.
+    /// Its lines, which are written but never read.
     #[prost(message, repeated, tag = "11")]
     #[serde(skip)]
     pub lines: Vec<LinePrimitive>,
 }
 
-/// Objects that go away.
+/// A deletion of objects.
 #[derive(Clone, PartialEq, Eq, prost::Message, Deserialize)]
 #[serde(default)]
 pub struct SceneEntityDeletion {
-    /// When.
+    /// When they are deleted.
     #[prost(message, optional, tag = "1")]
     pub timestamp: Option<Timestamp>,
-    /// 0 for the one called `id`, 1 for all.
+    /// 0 for the object `id`, 1 for all.
     #[prost(int32, tag = "2")]
     #[serde(rename = "type")]
     pub kind: i32,
-    /// Which.
+    /// The object to delete.
     #[prost(string, tag = "3")]
     pub id: String,
 }
@@ -117,10 +117,10 @@ pub struct SceneEntityDeletion {
 #[derive(Clone, PartialEq, prost::Message, Deserialize)]
 #[serde(default)]
 pub struct SceneUpdate {
-    /// What goes away.
+    /// Deletions of objects.
     #[prost(message, repeated, tag = "1")]
     pub deletions: Vec<SceneEntityDeletion>,
-    /// What is there.
+    /// The objects that are there.
     #[prost(message, repeated, tag = "2")]
     pub entities: Vec<SceneEntity>,
 }

@@ -1,4 +1,4 @@
-//! How the frames of a recording lie to each other at one moment.
+//! The tree of the frames of a recording at one moment.
 
 use std::collections::BTreeMap;
 
@@ -28,15 +28,15 @@ pub fn transforms_of_message(
     }
 }
 
-/// For every frame, where it lies in its parent.
+/// The parent of every frame, and the frame's pose in it.
 #[derive(Debug, Clone, Default)]
 pub struct FrameTree {
     parents: BTreeMap<String, (String, Isometry3<f64>)>,
 }
 
 impl FrameTree {
-    /// The tree at `time_ns`: of `transforms`, in any order, each frame's are interpolated between the last before and the
-    /// first after. Before the first and after the last, the nearest is taken.
+    /// The tree at `time_ns`, from `transforms` in any order. For each frame it interpolates between the last transform
+    /// before and the first one after; before the first and after the last, it takes the nearest.
     pub fn at(time_ns: u64, transforms: impl IntoIterator<Item = StampedTransform>) -> Self {
         let mut around: BTreeMap<String, [Option<StampedTransform>; 2]> = BTreeMap::new();
         for transform in transforms {
@@ -63,12 +63,12 @@ impl FrameTree {
         Self { parents: parents.collect() }
     }
 
-    /// From coordinates of `frame` to those of the frame that all others lie in.
+    /// From coordinates of `frame` to those of its outermost parent.
     pub fn root_from(&self, frame: &str) -> Isometry3<f64> {
         self.ancestors(frame).pop().map_or_else(Isometry3::identity, |(_, transform)| transform)
     }
 
-    /// From coordinates of `from` to those of `to`; `None` if nothing connects them.
+    /// From coordinates of `from` to those of `to`; `None` if the frames are not connected.
     pub fn to_from(&self, to: &str, from: &str) -> Option<Isometry3<f64>> {
         let of_to = self.ancestors(to);
         self.ancestors(from).into_iter().find_map(|(common, common_from)| {
@@ -77,7 +77,7 @@ impl FrameTree {
         })
     }
 
-    /// `frame` and all that it lies in, with the transforms from `frame` to them.
+    /// `frame` and all its ancestors, with the transforms from `frame` to them.
     fn ancestors<'a>(&'a self, frame: &'a str) -> Vec<(&'a str, Isometry3<f64>)> {
         let mut ancestors = vec![(frame, Isometry3::identity())];
         while ancestors.len() < MAX_DEPTH {

@@ -1,6 +1,6 @@
 //! An MCAP recording as a data set: every message of one topic of clouds is a scan.
 //!
-//! Scans are read one at a time, with the annotations whose time stamp is nearest; of the rest of the recording only the
+//! Scans are read one at a time, with the annotations of the nearest time stamp. For the rest of the recording only the
 //! positions and times of messages are kept, 56 bytes each.
 
 use std::path::Path;
@@ -29,9 +29,9 @@ use crate::dataset::source::{DamagePolicy, DatasetSource};
 use crate::dataset::time_pairs::{Moment, TimePairs, times_ns};
 use crate::dataset::{Dataset, DatasetError, Listing, labels_without_scan};
 
-/// The metadata record in which scanbench says what the messages do not, and the names in it.
+/// The metadata record in which scanbench writes values that the messages have no place for, and the names in it.
 pub mod own_metadata {
-    /// The record.
+    /// The name of the record.
     pub const RECORD: &str = "scanbench";
     /// A data sheet, as JSON.
     pub const DATA_SHEET: &str = "data_sheet";
@@ -47,14 +47,14 @@ struct McapDataset {
     messages: RecordedMessages,
     clouds: Channel,
     annotations: Option<Channel>,
-    // Read from all messages where times matter.
+    // Read from all messages once times are needed.
     times: OnceLock<RecordedTimes>,
     cut_off: Option<String>,
     classes: ClassRules,
     names_not_taken: Option<String>,
 }
 
-/// When the scans were taken, and which annotations are theirs.
+/// Times of the scans, and the annotations that belong to them.
 #[derive(Debug)]
 struct RecordedTimes {
     scans_ns: Vec<u64>,
@@ -72,7 +72,7 @@ pub fn is_mcap(path: &Path) -> bool {
 
 /// Opens the recording of `source`.
 ///
-/// Clouds are not looked into.
+/// No cloud is read.
 pub fn open_mcap(mut source: DatasetSource) -> Result<Box<dyn Dataset>, DatasetError> {
     let path = source.path.clone();
     let mut index = index_mcap(&path, own_metadata::RECORD, |channel| MessageKind::of(channel).is_some())?;
@@ -123,7 +123,7 @@ pub fn open_mcap(mut source: DatasetSource) -> Result<Box<dyn Dataset>, DatasetE
 
 fn checksum_of(path: &Path, index: &McapIndex) -> Result<String, DatasetError> {
     let mut checksum = DatasetChecksum::default();
-    // Not its name: a recording is the same under any.
+    // Not its name: a renamed recording is the same.
     checksum.add_file("recording", path)?;
     let crcs: Vec<String> = index.chunks.iter().map(|chunk| format!("{:08x}\n", chunk.crc)).collect();
     checksum.add_text("chunks", crcs.concat());
@@ -217,7 +217,7 @@ impl McapDataset {
         recorded.map_err(|problem| self.messages.damaged_at(position, &problem))
     }
 
-    /// When the cloud of scan `scan_idx`, which is `recorded`, was taken and logged.
+    /// Time stamp and log time of the cloud of scan `scan_idx`, which is `recorded`.
     fn moment_of(&self, scan_idx: usize, recorded: &RecordedCloud) -> Moment {
         let stamp_ns = (recorded.stamp_ns > 0).then_some(recorded.stamp_ns);
         Moment { stamp_ns, log_time_ns: self.clouds.positions[scan_idx].log_time_ns }
@@ -235,7 +235,7 @@ impl McapDataset {
         })
     }
 
-    /// The annotations of scan `scan_idx`, which is `recorded`, without their points; `None` where no message belongs to it.
+    /// The annotations of scan `scan_idx`, which is `recorded`, without their points; `None` if no message belongs to it.
     fn annotations_of(
         &self,
         scan_idx: usize,
@@ -271,17 +271,17 @@ impl McapDataset {
                 let sensor_from_frame = recorded.sensor_from_frame * cloud_from_frame;
                 object.annotation(class, &sensor_from_frame).map_err(|problem| self.messages.damaged(problem))
             };
-        // Names that nobody knows were refused above.
+        // Unknown names were refused above.
         let known = objects.iter().zip(classes).filter_map(|(object, class)| Some((object, class?)));
         known.map(annotation).collect::<Result<_, _>>().map(Some)
     }
 
-    /// Of all annotations that can be read, so that they are said at once.
+    /// The unknown classes of all annotations that can be read, so that one error names them all.
     fn all_unknown_classes(&self) -> UnknownClasses {
         let mut classes = ClassReader::new(&self.classes, &[]);
         if let Some(channel) = &self.annotations {
             for &position in &channel.positions {
-                // What cannot be read is said when its scan is read.
+                // A message that cannot be read fails when its scan is read.
                 let (_, objects) = self.messages.read_objects(channel, position).unwrap_or_default();
                 for object in objects {
                     classes.class_of(&object.class_name, || position.to_string());

@@ -1,4 +1,4 @@
-//! Messages read from an MCAP file, wherever they are.
+//! Reads messages from an MCAP file, at any position.
 
 use std::collections::VecDeque;
 use std::io::{Read, Seek, SeekFrom};
@@ -13,7 +13,7 @@ use super::chunk::{N_RECORD_HEADER_BYTES, record_at, split_header};
 use super::mcap_index::{ChunkError, ChunkPosition, MessagePosition, read_chunk};
 use crate::dataset::DatasetError;
 
-/// Chunks kept in memory: neighbouring messages are often in one.
+/// Chunks kept in memory: neighbouring messages are often in the same one.
 const N_CHUNKS_KEPT: usize = 4;
 
 /// Channel, sequence number and two times come before the message itself.
@@ -27,7 +27,7 @@ pub struct McapFile {
     kept: Mutex<VecDeque<(u32, Arc<Vec<u8>>)>>,
 }
 
-/// A message as it is encoded.
+/// A message in its encoding.
 #[derive(Debug, Clone)]
 pub struct MessageBytes {
     records: Arc<Vec<u8>>,
@@ -42,7 +42,7 @@ impl MessageBytes {
 }
 
 impl McapFile {
-    /// The file at `path`, which has these chunks.
+    /// The file at `path` with these chunks.
     pub fn new(path: &Path, chunks: Vec<ChunkPosition>) -> Self {
         Self { path: path.to_path_buf(), chunks, kept: Mutex::new(VecDeque::new()) }
     }

@@ -1,7 +1,7 @@
-//! Where in an MCAP file the messages are that matter.
+//! Index of the messages in an MCAP file that are used.
 //!
-//! The file is walked once from record to record; of chunks only headers and message indexes are read. A recording that was
-//! never finished has no summary that says what its channels are: then its chunks are looked into.
+//! The file is walked once from record to record; only headers and message indexes of chunks are read. A recording that was
+//! never finished has no summary that lists its channels: then its chunks are read.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::io::{Read, Seek, SeekFrom};
@@ -17,8 +17,8 @@ use crate::dataset::DatasetError;
 /// Records other than chunks are read whole; larger ones are no part of a sensible recording.
 const MAX_RECORD_BYTES: u64 = 256 << 20;
 
-/// Where there is no summary, chunks are looked into: all together may grow to so many bytes, or so many times the size of
-/// the file, whichever is more.
+/// Without a summary, chunks are read: all together may grow to this many bytes, or to this many times the size of the file,
+/// whichever is more.
 const MAX_PLAIN_BYTES: u64 = 256 << 20;
 const MAX_GROWTH: u64 = 64;
 
@@ -28,22 +28,22 @@ const MAX_CHUNK_HEADER_BYTES: u64 = 256;
 /// Footer: opcode, length, two offsets and a checksum.
 const N_FOOTER_BYTES: i64 = 9 + 8 + 8 + 4;
 
-/// What is in a recording, and where.
+/// The content of a recording, with positions.
 #[derive(Debug, Clone, Default)]
 pub struct McapIndex {
     /// The channels by their numbers.
     pub channels: BTreeMap<u16, ChannelInfo>,
     /// The positions of the messages of the channels that were asked for, by time.
     pub messages: BTreeMap<u16, Vec<MessagePosition>>,
-    /// Where the chunks begin, and their checksums.
+    /// The positions of the chunks, and their checksums.
     pub chunks: Vec<ChunkPosition>,
-    /// What the record called after this program says.
+    /// The content of the metadata record with this program's name.
     pub metadata: BTreeMap<String, String>,
     /// Why the walk ended early, in a file that was cut off or is damaged.
     pub cut_off: Option<String>,
 }
 
-/// What a channel carries.
+/// Topic, schema and encoding of a channel.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct ChannelInfo {
     /// Its name.
@@ -54,14 +54,14 @@ pub struct ChannelInfo {
     pub encoding: String,
 }
 
-/// Where a message is.
+/// The position of a message.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct MessagePosition {
     /// When it was logged, in nanoseconds.
     pub log_time_ns: u64,
-    /// Which chunk it is in; `None` for one of its own.
+    /// The index of its chunk; `None` for a message outside of chunks.
     pub chunk_idx: Option<u32>,
-    /// Where its record begins: in the decompressed chunk, or in the file.
+    /// The start of its record: in the decompressed chunk, or in the file.
     pub offset: u64,
 }
 
@@ -71,27 +71,27 @@ impl std::fmt::Display for MessagePosition {
     }
 }
 
-/// The positions from `begin_ns` to `end_ns`; `positions` ascend by time.
+/// The positions from `begin_ns` to `end_ns`, both included; `positions` ascend by time.
 pub fn window(positions: &[MessagePosition], begin_ns: u64, end_ns: u64) -> &[MessagePosition] {
     let begin = positions.partition_point(|it| it.log_time_ns < begin_ns);
     let end = positions.partition_point(|it| it.log_time_ns <= end_ns);
     &positions[begin..end.max(begin)]
 }
 
-/// Where a chunk is.
+/// The position of a chunk.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct ChunkPosition {
-    /// Where its record begins in the file.
+    /// The start of its record in the file.
     pub offset: u64,
     /// Length of the body of its record.
     pub n_bytes: u64,
-    /// Checksum of what it holds.
+    /// Checksum of its decompressed records; 0 if there is none.
     pub crc: u32,
 }
 
-/// Walks the file at `path` and notes the messages of the channels that `matters` picks; metadata are those called `name`.
+/// Walks the file at `path` and notes the messages of the channels that `matters` picks, and the metadata called `name`.
 ///
-/// A file that is cut off gives what comes before the cut.
+/// Of a file that is cut off, it notes the part before the cut.
 pub fn index_mcap(
     path: &Path,
     name: &str,
@@ -113,7 +113,7 @@ pub fn index_mcap(
         matters: &matters,
         n_plain_bytes_left: MAX_PLAIN_BYTES.max(n_file_bytes.saturating_mul(MAX_GROWTH)),
     };
-    // Where the summary is whole, it names all channels, and chunks need not be opened.
+    // A whole summary names all channels, so that chunks need not be read.
     let has_summary = walk.read_summary(&mut file).is_some();
     match walk.walk(&mut file, n_file_bytes, has_summary) {
         Ok(()) => {}
@@ -132,7 +132,7 @@ pub fn index_mcap(
     Ok(walk.index)
 }
 
-/// Leaves each message in once, in the order of the file, and returns how many were left out.
+/// Keeps each message once, in the order of the file, and returns how many were removed.
 fn leave_out_repeated(positions: &mut Vec<MessagePosition>) -> usize {
     let n_before = positions.len();
     let mut seen = BTreeSet::new();
@@ -166,7 +166,7 @@ struct Walk<'a> {
 }
 
 impl Walk<'_> {
-    /// Takes schemas and channels from the end of the file; `None` if there is no summary that can be read.
+    /// Takes schemas and channels from the end of the file; `None` if there is no readable summary.
     fn read_summary(&mut self, file: &mut RegularFile) -> Option<()> {
         let mut footer = [0; N_FOOTER_BYTES as usize];
         let end = file.seek(SeekFrom::End(-N_FOOTER_BYTES - 8)).ok()?;
@@ -197,7 +197,7 @@ impl Walk<'_> {
         has_summary: bool,
     ) -> Result<(), WalkError> {
         let mut offset = mcap::MAGIC.len() as u64;
-        // The chunk whose message indexes may follow, and whether none did yet: indexes may be left out.
+        // The chunk whose message indexes may follow, and whether none has come yet: indexes may be left out.
         let (mut open_chunk, mut lacks_index) = (None, false);
         loop {
             file.seek(SeekFrom::Start(offset))?;
@@ -321,7 +321,7 @@ impl Walk<'_> {
     }
 }
 
-/// The next `n_bytes` of `file`, which is known to be as long.
+/// The next `n_bytes` of `file`, which must have as many.
 fn read_body(file: &mut RegularFile, n_bytes: u64) -> Result<Vec<u8>, WalkError> {
     if n_bytes > MAX_RECORD_BYTES {
         return Err(WalkError::Damaged(format!("has a record of {n_bytes} bytes")));
@@ -349,7 +349,7 @@ pub fn read_chunk(file: &mut RegularFile, position: ChunkPosition) -> Result<Vec
 pub enum ChunkError {
     /// The operating system refused.
     Io(std::io::Error),
-    /// What is wrong with it, as the rest of a sentence about the file.
+    /// The error, as the rest of a sentence about the file.
     Damaged(String),
 }
 

@@ -1,12 +1,12 @@
-//! The bodies of MCAP's records, as far as they are read.
+//! The bodies of MCAP's records, as far as they are used.
 //!
-//! The format's own crate would take the lengths of texts at their word.
+//! The format's own crate would trust the lengths of texts in the file.
 
 use std::collections::BTreeMap;
 
 use mcap::records::{ChunkHeader, MessageIndexEntry};
 
-/// Takes a record apart from front to back. Errors are the rest of a sentence about the file.
+/// Reads the parts of a record from front to back. Errors are the rest of a sentence about the file.
 #[derive(Debug, Clone)]
 pub struct RecordBody<'a> {
     rest: &'a [u8],
@@ -26,7 +26,7 @@ pub struct SchemaName {
 pub struct ChannelRecord {
     /// Its number.
     pub id: u16,
-    /// That of its schema.
+    /// The number of its schema.
     pub schema_id: u16,
     /// Its topic.
     pub topic: String,
@@ -83,7 +83,7 @@ impl<'a> RecordBody<'a> {
         Ok(ChannelRecord { id, schema_id, topic: self.text()?, encoding: self.text()? })
     }
 
-    /// The channel of a message and when it was logged.
+    /// The channel of a message, and its log time in nanoseconds.
     pub fn message(mut self) -> Result<(u16, u64), String> {
         let (channel_id, _sequence) = (self.u16()?, self.u32()?);
         Ok((channel_id, self.u64()?))
@@ -114,7 +114,7 @@ impl<'a> RecordBody<'a> {
         Ok((header, n_bytes - self.rest.len()))
     }
 
-    /// The name of a metadata record, and what it says.
+    /// The name of a metadata record, and its pairs of names and values.
     pub fn metadata(mut self) -> Result<(String, BTreeMap<String, String>), String> {
         let name = self.text()?;
         let mut pairs = RecordBody { rest: self.block()? };
@@ -125,7 +125,7 @@ impl<'a> RecordBody<'a> {
         Ok((name, metadata))
     }
 
-    /// Where the summary begins, as the footer says; 0 if there is none.
+    /// The start of the summary from the footer; 0 if there is none.
     pub fn footer(mut self) -> Result<u64, String> {
         self.u64()
     }

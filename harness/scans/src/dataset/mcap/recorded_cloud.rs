@@ -1,4 +1,4 @@
-//! One cloud of a recording, from whichever message.
+//! One cloud of a recording, from a message of any kind.
 
 use detector::PointCloud;
 use nalgebra::{Isometry3, Point3};
@@ -10,7 +10,7 @@ use crate::annotation::Annotation;
 use crate::dataset::packed_points::{NumberType, PackedField, PackedPoints};
 use crate::dataset::positioned_points::PositionedPoints;
 
-/// The fields of points in which scanbench says what boxes cannot.
+/// The fields of points in which scanbench writes labels that boxes cannot express.
 pub mod own_fields {
     /// The number of its [`PointRegion`](crate::annotation::PointRegion): 0 labelled, 1 unscorable, 2 outside.
     pub const REGION: &str = "region";
@@ -22,11 +22,11 @@ pub mod own_fields {
 pub struct RecordedCloud {
     /// The points, along the axes of the frame, from the sensor.
     pub cloud: PointCloud,
-    /// Indices in the message, ascending, of the points that are not in the cloud since they have no position.
+    /// Indices in the message of the points that are not in the cloud since they have no position, ascending.
     pub points_left_out: Vec<u32>,
-    /// The frame that the message names.
+    /// The frame stated in the message.
     pub frame: String,
-    /// The moment that the message names, in nanoseconds; 0 if it names none.
+    /// The time stamp of the message, in nanoseconds; 0 if it has none.
     pub stamp_ns: u64,
     /// From the frame to the sensor's.
     pub sensor_from_frame: Isometry3<f64>,
@@ -82,7 +82,7 @@ impl RecordedCloud {
         })
     }
 
-    /// Gives every annotation the points whose [`own_fields::OBJECT`] names its index in the message.
+    /// Gives every annotation the points whose [`own_fields::OBJECT`] is its index in the message.
     pub fn assign_points(&self, annotations: &mut [Annotation]) {
         for (point_idx, number) in (0_u32..).zip(self.objects.iter().flatten()) {
             let annotation = (*number as usize).checked_sub(1).and_then(|idx| annotations.get_mut(idx));
@@ -93,8 +93,8 @@ impl RecordedCloud {
     }
 }
 
-/// Takes times of points that are moments of the clock of `stamp_ns`, in seconds or nanoseconds: what is near the stamp in
-/// one of these units cannot be so in the other.
+/// Takes times of points by the clock of `stamp_ns`, in seconds or nanoseconds: times that are near the stamp in one of
+/// these units cannot be so in the other.
 fn take_moments(
     packed: &PackedPoints<'_>,
     stamp_ns: u64,

@@ -10,23 +10,23 @@ use super::topics::{ChosenChannel, MessageKind};
 use crate::dataset::DatasetError;
 use crate::dataset::time_pairs::{Moment, usual_delay_ns};
 
-/// Transforms that are stamped this far before and after a scan are looked at, in nanoseconds.
+/// Transforms that are stamped within this time before and after a scan are used, in nanoseconds.
 const TRANSFORM_WINDOW_NS: u64 = 1_000_000_000;
 
-/// This many transforms of each topic are read at the start: those that never change are often sent only once.
+/// This many transforms of each topic are read at the start: constant ones are often sent only once.
 const N_FIRST_TRANSFORMS: usize = 200;
 
-/// Messages of objects and transforms that are larger than this are not read: small on disk, they may be large in memory.
+/// Larger messages of objects and transforms are not read: small on disk, they may be large in memory.
 const MAX_SMALL_MESSAGE_BYTES: usize = 4 << 20;
 
 /// A channel with the positions of its messages, by time.
 #[derive(Debug)]
 pub struct Channel {
-    /// What its messages are.
+    /// The kind of its messages.
     pub kind: MessageKind,
-    /// How they are encoded.
+    /// The encoding of its messages.
     pub encoding: String,
-    /// Where they are.
+    /// The positions of its messages.
     pub positions: Vec<MessagePosition>,
 }
 
@@ -40,7 +40,7 @@ impl Channel {
     }
 }
 
-/// A file, and what it says about frames.
+/// A recording with its transforms between frames.
 #[derive(Debug)]
 pub struct RecordedMessages {
     file: McapFile,
@@ -48,14 +48,14 @@ pub struct RecordedMessages {
     first_transforms: Vec<LoggedTransform>,
 }
 
-/// A channel of transforms, and how much later than their stamps its first ones are logged, in nanoseconds.
+/// A channel of transforms, and how much later than their stamps the first ones are logged, in nanoseconds.
 #[derive(Debug)]
 struct TransformChannel {
     channel: Channel,
     delay_ns: Option<i64>,
 }
 
-/// A transform and when it was logged.
+/// A transform with its log time.
 #[derive(Debug, Clone)]
 struct LoggedTransform {
     log_time_ns: u64,
@@ -63,7 +63,7 @@ struct LoggedTransform {
 }
 
 impl RecordedMessages {
-    /// Those of `file`, which says on `transforms` how frames lie to each other.
+    /// The messages of `file`, with `transforms` between frames.
     pub fn new(file: McapFile, transforms: Vec<Channel>) -> Result<Self, DatasetError> {
         let mut messages = Self { file, transforms: Vec::new(), first_transforms: Vec::new() };
         for channel in transforms {
@@ -78,12 +78,12 @@ impl RecordedMessages {
         Ok(messages)
     }
 
-    /// Whether anything is said about frames.
+    /// Whether there are transforms between frames.
     pub fn has_transforms(&self) -> bool {
         !self.transforms.is_empty()
     }
 
-    /// The message at `position`, as it is encoded.
+    /// The message at `position`, in its encoding.
     pub fn message(&self, position: MessagePosition) -> Result<MessageBytes, DatasetError> {
         self.file.message(position)
     }
@@ -98,7 +98,7 @@ impl RecordedMessages {
         self.damaged(format!("{problem}, logged at {} ns", position.log_time_ns))
     }
 
-    /// The objects in the message at `position` of `channel`, and the moment it is about, if it says so.
+    /// The objects in the message at `position` of `channel`, and its time stamp in nanoseconds, if it has one.
     pub fn read_objects(
         &self,
         channel: &Channel,
@@ -112,8 +112,8 @@ impl RecordedMessages {
         Ok(((stamp_ns > 0).then_some(stamp_ns), objects))
     }
 
-    /// Times of the messages of `channels`, which are clouds or objects, in the order of their positions. What cannot be read
-    /// has no stamp.
+    /// Times of the messages of `channels`, which are clouds or objects, in the order of their positions. A message that
+    /// cannot be read has no stamp.
     pub fn moments<const N: usize>(&self, channels: [&Channel; N]) -> [Vec<Moment>; N] {
         let moment = |it: &MessagePosition| Moment { stamp_ns: None, log_time_ns: it.log_time_ns };
         let mut moments = channels.map(|it| it.positions.iter().map(moment).collect::<Vec<Moment>>());
@@ -147,13 +147,13 @@ impl RecordedMessages {
         (stamp_ns > 0).then_some(stamp_ns)
     }
 
-    /// How the frames lie to each other at `moment` of another message: by the stamps of transforms or, of a message without
-    /// a stamp, by when they were logged.
+    /// The tree of frames at `moment` of another message: by the stamps of transforms or, if the message has no stamp, by
+    /// their log times.
     pub fn frames_at(&self, moment: Moment) -> Result<FrameTree, DatasetError> {
         let Moment { stamp_ns, log_time_ns } = moment;
         let mut transforms = self.first_transforms.clone();
         for TransformChannel { channel, delay_ns } in &self.transforms {
-            // Where those lie in the file that are stamped so.
+            // The log time of transforms with this stamp.
             let around_ns = match (stamp_ns, delay_ns) {
                 (Some(stamp_ns), Some(delay_ns)) => stamp_ns.saturating_add_signed(*delay_ns),
                 _ => log_time_ns,
@@ -169,7 +169,7 @@ impl RecordedMessages {
         let on_clock = |LoggedTransform { log_time_ns: logged_ns, mut transform }: LoggedTransform| {
             match stamp_ns {
                 None => transform.stamp_ns = logged_ns,
-                // As much later as it was logged later.
+                // Its log time is as much later.
                 Some(stamp_ns) if transform.stamp_ns == 0 => {
                     let later_ns = logged_ns.wrapping_sub(log_time_ns).cast_signed();
                     transform.stamp_ns = stamp_ns.saturating_add_signed(later_ns);

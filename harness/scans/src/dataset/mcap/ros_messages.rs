@@ -15,19 +15,19 @@ pub const DETECTION_3D_ARRAY: &str = "vision_msgs/msg/Detection3DArray";
 /// `tf2_msgs/msg/TFMessage`.
 pub const TF_MESSAGE: &str = "tf2_msgs/msg/TFMessage";
 
-/// When and in which frame something was measured.
+/// Time and frame of a measurement.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Header {
-    /// When, in nanoseconds; 0 if nobody said.
+    /// Time stamp in nanoseconds; 0 if there is none.
     pub stamp_ns: u64,
     /// The name of the frame.
     pub frame: String,
 }
 
-/// One frame within another.
+/// The pose of one frame within another.
 #[derive(Debug, Clone, PartialEq)]
 pub struct StampedTransform {
-    /// Since when, in nanoseconds.
+    /// The time from which on it holds, in nanoseconds.
     pub stamp_ns: u64,
     /// The frame that the other lies in.
     pub parent: String,
@@ -40,21 +40,21 @@ pub struct StampedTransform {
 /// A box of `vision_msgs`.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Detection3D {
-    /// Its own frame, if it says so.
+    /// Its own time and frame, if stated.
     pub header: Header,
-    /// The class that it most likely is.
+    /// Its most likely class.
     pub class: String,
-    /// How likely, if any class is named.
+    /// Score of this class, if any class is named.
     pub score: Option<f64>,
-    /// Where its centre is and how it is turned.
+    /// Pose of its centre.
     pub frame_from_box: Isometry3<f64>,
     /// Its extent along its own x, y and z, in metres.
     pub size_m: [f64; 3],
-    /// What it is called.
+    /// Its name.
     pub id: String,
 }
 
-/// The time stamp in the header that `message` begins with, in nanoseconds; 0 if nobody said.
+/// The time stamp in the header at the start of `message`, in nanoseconds; 0 if there is none.
 pub fn stamp_ns(message: &[u8]) -> Result<u64, String> {
     Ok(header(&mut CdrReader::new(message)?)?.stamp_ns)
 }
@@ -97,7 +97,7 @@ pub fn detection_3d_array(message: &[u8]) -> Result<(Header, Vec<Detection3D>), 
         let header = header(reader)?;
         let hypotheses = reader.list(|reader| {
             let (class, score) = (reader.text()?.to_owned(), reader.f64()?);
-            // The pose of the hypothesis, and how sure that is.
+            // The pose of the hypothesis, and its covariance.
             reader.f64s::<7>()?;
             reader.f64s::<36>()?;
             Ok((class, score))

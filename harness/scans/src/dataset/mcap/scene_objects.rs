@@ -1,4 +1,4 @@
-//! Objects with boxes, from whichever message, in the sensor frame.
+//! Objects with boxes, from messages of any kind, in the sensor frame.
 
 use detector::OrientedBox;
 use nalgebra::Isometry3;
@@ -11,7 +11,7 @@ use super::topics::MessageKind;
 use crate::annotation::Annotation;
 use crate::dataset::upright_box::upright_box;
 
-/// The names of what is known about an object, in the metadata of Foxglove's scene entities.
+/// The names of an object's values in the metadata of Foxglove's scene entities.
 pub mod keys {
     /// Its class.
     pub const CLASS: &str = "class";
@@ -25,20 +25,20 @@ pub mod keys {
     pub const SCORE: &str = "score";
 }
 
-/// The names that the class goes by in the recordings of others.
+/// The names of the class in the recordings of others.
 const CLASS_KEYS: [&str; 5] = [keys::CLASS, "label", "category", "type", "name"];
 
-/// The names that the score goes by.
+/// The names of the score.
 const SCORE_KEYS: [&str; 3] = [keys::SCORE, "confidence", "probability"];
 
-/// An object in the frame that its message names.
+/// An object in the frame stated in its message.
 #[derive(Debug, Clone, PartialEq)]
 pub struct SceneObject {
-    /// The frame of its box; empty for that of the message.
+    /// The frame of its box; empty if it is that of the message.
     pub frame: String,
-    /// What it is called; empty if it is not said.
+    /// The name of its class; empty if it has none.
     pub class_name: String,
-    /// The centre and turn of its box, and its extent along its own axes in metres.
+    /// The pose of its box, and its extent along its own axes in metres.
     pub frame_from_box: Option<(Isometry3<f64>, [f64; 3])>,
     /// Its number within the drive.
     pub track: Option<u32>,
@@ -51,7 +51,7 @@ pub struct SceneObject {
 }
 
 impl SceneObject {
-    /// The object as an annotation of `class` without points, once it is known how its frame lies to the sensor's.
+    /// The object as an annotation of `class` without points, by the transform from its frame to the sensor's.
     ///
     /// The box is set upright. Errors are the rest of a sentence about the file.
     pub fn annotation(
@@ -71,7 +71,7 @@ impl SceneObject {
 
 fn sensible_box(sensor_from_box: &Isometry3<f64>, size_m: [f64; 3]) -> Result<OrientedBox, String> {
     let center_m: [f64; 3] = sensor_from_box.translation.vector.into();
-    // Beyond this a mistake, and sums of squares would overflow in single precision.
+    // Larger values are mistakes, and their sums of squares would overflow in single precision.
     let is_sensible =
         center_m.iter().all(|it| it.abs() < 1e9) && size_m.iter().all(|it| *it > 0.0 && *it < 1e9);
     if !is_sensible {
@@ -80,8 +80,8 @@ fn sensible_box(sensor_from_box: &Isometry3<f64>, size_m: [f64; 3]) -> Result<Or
     Ok(upright_box(sensor_from_box, size_m))
 }
 
-/// The objects in `bytes`, a message of this kind in the encoding of its channel, and the moment that it names, in
-/// nanoseconds; 0 if it names none. Errors are the rest of a sentence about the file.
+/// The objects in `bytes`, a message of this kind in the encoding of its channel, and its time stamp in nanoseconds; 0 if it
+/// has none. Errors are the rest of a sentence about the file.
 pub fn objects_of_message(
     kind: MessageKind,
     encoding: &str,
@@ -93,7 +93,7 @@ pub fn objects_of_message(
         for object in objects.iter_mut().filter(|it| it.frame.is_empty()) {
             object.frame.clone_from(&header.frame);
         }
-        // Some say when only of each object.
+        // Some messages have time stamps only in their objects.
         let stamps_ns = std::iter::once(&header).chain(detections.iter().map(|it| &it.header));
         let stamp_ns = stamps_ns.map(|it| it.stamp_ns).find(|it| *it > 0);
         return Ok((stamp_ns.unwrap_or(0), objects));

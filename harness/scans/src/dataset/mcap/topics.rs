@@ -1,4 +1,4 @@
-//! Which topics of a recording are read.
+//! The topics of a recording that are read.
 
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -10,10 +10,10 @@ use crate::dataset::DatasetError;
 use crate::dataset::shown_name::shown;
 use crate::dataset::source::TopicChoice;
 
-/// Where annotations are looked for if several topics could hold them.
+/// The topic of the annotations if several topics could hold them.
 pub const ANNOTATION_TOPIC: &str = "/annotations";
 
-/// What the messages of a channel are.
+/// The kind of the messages of a channel.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum MessageKind {
     /// `sensor_msgs/msg/PointCloud2`.
@@ -33,7 +33,7 @@ pub enum MessageKind {
 }
 
 impl MessageKind {
-    /// What the messages of `channel` are; `None` for what is not read.
+    /// The kind of the messages of `channel`; `None` if they are not read.
     pub fn of(channel: &ChannelInfo) -> Option<Self> {
         let is_foxglove = matches!(channel.encoding.as_str(), "protobuf" | "json");
         match (channel.schema.as_str(), channel.encoding.as_str()) {
@@ -48,17 +48,17 @@ impl MessageKind {
         }
     }
 
-    /// Whether these are clouds.
+    /// Whether the messages are clouds.
     pub fn is_cloud(self) -> bool {
         matches!(self, Self::RosCloud | Self::FoxgloveCloud)
     }
 
-    /// Whether these are objects with boxes.
+    /// Whether the messages are objects with boxes.
     pub fn is_objects(self) -> bool {
         matches!(self, Self::Scene | Self::RosDetections)
     }
 
-    /// Whether these say how frames lie to each other.
+    /// Whether the messages are transforms between frames.
     pub fn is_transforms(self) -> bool {
         matches!(self, Self::RosTransforms | Self::FoxgloveTransform | Self::FoxgloveTransforms)
     }
@@ -67,11 +67,11 @@ impl MessageKind {
 /// A channel that is read.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct ChosenChannel {
-    /// Its number, and those of channels that carry the same on the same topic.
+    /// Its number, and those of channels with the same kind of messages on the same topic.
     pub ids: Vec<u16>,
-    /// What its messages are.
+    /// The kind of its messages.
     pub kind: MessageKind,
-    /// What it carries.
+    /// Its topic, schema and encoding.
     pub info: ChannelInfo,
 }
 
@@ -82,11 +82,11 @@ pub struct ChosenChannels {
     pub cloud: ChosenChannel,
     /// Annotations, if there are any.
     pub annotations: Option<ChosenChannel>,
-    /// Everything that says how frames lie to each other.
+    /// All transforms between frames.
     pub transforms: Vec<ChosenChannel>,
 }
 
-/// Chooses among the channels of `index`, that of the file at `path`.
+/// Chooses among the channels of `index`, which is that of the file at `path`.
 pub fn choose_channels(
     path: &Path,
     index: &McapIndex,
@@ -143,18 +143,18 @@ pub fn choose_channels(
     })
 }
 
-/// The channels of a recording of what a detector found.
+/// The channels of a recording of detections.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct DetectionChannels {
-    /// The objects.
+    /// The detected objects.
     pub objects: ChosenChannel,
-    /// Clouds, if it has any on a single topic.
+    /// Clouds, if they are on a single topic.
     pub cloud: Option<ChosenChannel>,
-    /// Everything that says how frames lie to each other.
+    /// All transforms between frames.
     pub transforms: Vec<ChosenChannel>,
 }
 
-/// Chooses the objects on `topic`, or on the only topic that has some beside [`ANNOTATION_TOPIC`], or on that.
+/// Chooses the objects on `topic`; without it, those of the only topic beside [`ANNOTATION_TOPIC`], or of this if alone.
 pub fn choose_detections(
     path: &Path,
     index: &McapIndex,
@@ -189,8 +189,8 @@ pub fn choose_detections(
 
 /// The channels whose messages are wanted, by topic.
 ///
-/// A topic may have been announced several times: what carries the same is one, and what carries nothing does not count
-/// beside another.
+/// A topic may have been announced several times: channels of the same schema and encoding count as one, and those without
+/// messages do not count beside others.
 fn known_channels(index: &McapIndex, is_wanted: fn(MessageKind) -> bool) -> Vec<ChosenChannel> {
     let channels = index.channels.iter().filter_map(|(&id, info)| {
         let kind = MessageKind::of(info).filter(|kind| is_wanted(*kind))?;
@@ -216,7 +216,7 @@ fn n_messages(index: &McapIndex, channel: &ChosenChannel) -> usize {
     channel.ids.iter().filter_map(|id| index.messages.get(id)).map(Vec::len).sum()
 }
 
-/// The error about the recording at `path` that lists `candidates` or, if there are none, all that is recorded.
+/// The error about the recording at `path` that lists `candidates` or, if there are none, all its channels.
 fn refused(path: &Path, problem: &str, index: &McapIndex, candidates: &[ChosenChannel]) -> DatasetError {
     let candidate = |it: &ChosenChannel| {
         format!("{} ({}, {} messages)", shown(&it.info.topic), shown(&it.info.schema), n_messages(index, it))

@@ -31,7 +31,7 @@ pub const NUSCENES_SENSOR: &str = "hdl-32e";
 /// Its height above the road, in metres.
 pub const NUSCENES_SENSOR_HEIGHT_M: f32 = 1.84;
 
-/// What is labelled: what moves by itself, and what is moved about.
+/// The labelled classes: objects that move by themselves, and objects that are moved about.
 pub const NUSCENES_CLASSES: [AnnotationClass; 11] = [
     AnnotationClass::Car,
     AnnotationClass::Van,
@@ -46,7 +46,7 @@ pub const NUSCENES_CLASSES: [AnnotationClass; 11] = [
     AnnotationClass::Misc,
 ];
 
-/// The tables that distinguish a version from other folders, and are part of the checksum.
+/// The tables that distinguish a version from other folders, and count for the checksum.
 const TABLES: [&str; 11] = [
     "sample_data",
     "attribute",
@@ -79,11 +79,11 @@ pub fn is_nuscenes(folder: &Path) -> bool {
 
 /// Opens the folder of `source`: all scenes, or only those of `sequences`, such as `scene-0061`.
 ///
-/// Scans are not looked into.
+/// No scan is read.
 pub fn open_nuscenes(mut source: DatasetSource) -> Result<Box<dyn Dataset>, DatasetError> {
     let sequences = source.parts.sequences.take();
     let (version, scans) = match &versions_in(&source.path)[..] {
-        // The folder of a version may be a link to elsewhere, and `..` of it not be where it is.
+        // The folder of a version may be a link to elsewhere, so that its `..` is another folder.
         [only] if *only == source.path => (only.clone(), parent_of(&source.path)),
         [only] => (only.clone(), source.path.clone()),
         [] => return Err(DatasetError::no_scans(source.path)),
@@ -105,7 +105,7 @@ pub fn open_nuscenes(mut source: DatasetSource) -> Result<Box<dyn Dataset>, Data
     }
     let mut checksum = DatasetChecksum::default();
     for table in TABLES {
-        // Larger than all else that is labels: by their size, as scans.
+        // Larger than all other labels: they count by their size, as scans do.
         let name = format!("{table}.json");
         checksum.add_file(&name, &version.join(&name))?;
     }
@@ -131,7 +131,7 @@ impl Dataset for NuScenes {
 
     fn read_scan(&self, scan_idx: usize) -> Result<LabeledScan, DatasetError> {
         let keyframe = &self.keyframes[scan_idx];
-        // To the right, ahead and up; the intensity is a byte, brought to the range that other sensors have.
+        // To the right, ahead and up; the intensity is a byte, scaled to the range of other sensors.
         let points = self.columns.read(&self.scans.join(&keyframe.file))?.converted(
             |[right_m, forward_m, up_m], intensity| ([forward_m, -right_m, up_m], intensity / 255.0),
         );

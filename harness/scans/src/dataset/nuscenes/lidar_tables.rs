@@ -1,4 +1,4 @@
-//! From the tables to the keyframes of the lidar and their annotations.
+//! Reads the keyframes of the lidar and their annotations from the tables.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Component, Path, PathBuf};
@@ -27,20 +27,20 @@ pub struct Keyframe {
     pub time_ns: u64,
     /// Its file, below the folder of the data set.
     pub file: PathBuf,
-    /// Where the lidar was, with x forward and y left.
+    /// The pose of the lidar, with x forward and y left.
     pub world_from_sensor: Isometry3<f64>,
-    /// Where the car was, in the frame of the world, in metres.
+    /// The position of the car, in the frame of the world, in metres.
     pub ego_m: [f64; 3],
-    /// What is annotated, in the frame of the world.
+    /// The annotated objects, in the frame of the world.
     pub objects: Vec<WorldObject>,
 }
 
-/// What the tables say about the lidar.
+/// The scans of the lidar in the tables.
 #[derive(Debug, Clone, PartialEq)]
 pub struct LidarTables {
     /// Its keyframes.
     pub keyframes: Vec<Keyframe>,
-    /// Samples that are annotated and have no keyframe of it.
+    /// Samples that have annotations but no keyframe of it.
     pub samples_without_scan: BTreeSet<String>,
 }
 
@@ -107,8 +107,8 @@ struct Unplaced {
 /// Reads the tables in `folder`: the keyframes of the lidar by scene, each in the order of its times; only those of `scenes`
 /// if any are named.
 ///
-/// Annotations whose class nobody knows are noted in `classes` and left out. Everything else, such as images and the scans
-/// between keyframes, is passed over and not kept.
+/// Annotations of unknown classes are noted in `classes` and left out. Other records, such as images and the scans between
+/// keyframes, are skipped and not kept.
 pub fn read_keyframes(
     folder: &Path,
     scenes: Option<&BTreeSet<String>>,
@@ -135,7 +135,7 @@ pub fn read_keyframes(
         });
     }
     keyframes.sort_by(|a, b| (&a.scene, a.time_ns).cmp(&(&b.scene, b.time_ns)));
-    // Of scenes that are not asked for there are no scans either.
+    // Samples of other scenes have no scans either.
     let samples_without_scan = if scenes.is_none() { elsewhere } else { BTreeSet::new() };
     Ok(LidarTables { keyframes, samples_without_scan })
 }
@@ -217,7 +217,7 @@ fn read_poses(path: &Path, unplaced: &[Unplaced]) -> Result<BTreeMap<String, Iso
     Ok(poses)
 }
 
-/// The pose of the record called `token`. Errors are the rest of a sentence about the table.
+/// The pose of the record `token`. Errors are the rest of a sentence about the table.
 fn pose_of(token: &str, translation: [f64; 3], rotation: [f64; 4]) -> Result<Isometry3<f64>, String> {
     let named = |problem| format!("has a record {token:?} that {problem}");
     check_finite("translation", &translation).map_err(named)?;
@@ -230,7 +230,7 @@ fn lidar_from_ours() -> Isometry3<f64> {
     Isometry3::rotation(Vector3::z() * std::f64::consts::FRAC_PI_2)
 }
 
-/// `name` as a path that leads down and nowhere else.
+/// `name` as a path to a file below the folder.
 fn file_below(name: &str) -> Result<PathBuf, String> {
     let path = Path::new(name);
     let is_below = path.components().all(|it| matches!(it, Component::Normal(_))) && !name.is_empty();

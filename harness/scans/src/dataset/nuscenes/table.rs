@@ -1,4 +1,4 @@
-//! Tables in JSON, a list of records each, that are read record by record and never as a whole.
+//! Tables in JSON, each a list of records, that are read record by record and never as a whole.
 
 use std::fmt;
 use std::marker::PhantomData;
@@ -11,7 +11,7 @@ use serde::de::{DeserializeOwned, SeqAccess, Visitor};
 use crate::dataset::DatasetError;
 use crate::dataset::python_json::python_json;
 
-/// Hands every record of the table at `path` to `take`, in order; what `take` refuses is the rest of a sentence about the
+/// Passes every record of the table at `path` to `take`, in order; errors of `take` are the rest of a sentence about the
 /// file.
 pub fn read_table<Record: DeserializeOwned>(
     path: &Path,

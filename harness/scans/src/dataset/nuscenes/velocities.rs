@@ -1,6 +1,6 @@
-//! How annotated objects move, from where they are in the samples before and after.
+//! Velocities of annotated objects, from their positions in the samples before and after.
 
-/// A velocity over more than this is none, in seconds; twice this over three samples.
+/// No velocity is computed over more seconds than this, or over twice this across three samples.
 const LONGEST_S: f64 = 1.5;
 
 /// An object in one sample.
@@ -8,13 +8,13 @@ const LONGEST_S: f64 = 1.5;
 pub struct Sighting {
     /// Number of the object.
     pub track: u32,
-    /// When it was.
+    /// The time of the sample, in microseconds.
     pub time_us: u64,
-    /// Whether the tables have it before.
+    /// Whether the tables have a sample of it before.
     pub has_before: bool,
-    /// Whether they have it after.
+    /// Whether they have one after.
     pub has_after: bool,
-    /// Where it was on the ground plan, in metres.
+    /// Its centre on the ground plan, in metres.
     pub center_m: [f64; 2],
     /// The token of the sample.
     pub sample: String,
@@ -22,8 +22,8 @@ pub struct Sighting {
     pub index: usize,
 }
 
-/// Hands the velocities that are known to `take`, with sample and index: from the sighting before to the one after, or from
-/// or to this one where there is only one of them. As `box_velocity` of nuscenes-devkit.
+/// Passes the known velocities in metres per second to `take`, with sample and index: from the sighting before to the one
+/// after, or from or to this one if only one of them exists. As `box_velocity` of nuscenes-devkit.
 pub fn add_velocities(mut sightings: Vec<Sighting>, mut take: impl FnMut(&str, usize, [f64; 2])) {
     sightings.sort_by_key(|it| (it.track, it.time_us));
     for of_track in sightings.chunk_by(|a, b| a.track == b.track) {
@@ -45,7 +45,7 @@ pub fn add_velocities(mut sightings: Vec<Sighting>, mut take: impl FnMut(&str, u
 mod tests {
     use super::*;
 
-    /// The velocities of an object at these times and positions, with the tables' word that it goes on.
+    /// The velocities of an object at these times and positions, where the tables state that it goes on.
     fn velocities(sightings: &[(u64, f64)]) -> Vec<Option<f64>> {
         let last = sightings.len() - 1;
         let sighting = |(index, (time_us, x_m)): (usize, &(u64, f64))| Sighting {
@@ -74,7 +74,7 @@ mod tests {
     fn what_is_seen_once_or_after_a_gap_has_none() {
         assert_eq!(velocities(&[(0, 0.0)]), [None]);
         assert_eq!(velocities(&[(0, 0.0), (2_000_000, 1.0)]), [None, None]);
-        // Three seconds from before to after are not too long.
+        // Three seconds from the one before to the one after are not too long.
         assert_eq!(velocities(&[(0, 0.0), (2_000_000, 1.0), (3_000_000, 3.0)])[1], Some(1.0));
     }
 }

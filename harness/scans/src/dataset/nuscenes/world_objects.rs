@@ -1,4 +1,4 @@
-//! From the tables to what is annotated in each sample, in the frame of the world.
+//! Reads the annotated objects of each sample from the tables, in the frame of the world.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
@@ -18,10 +18,10 @@ use crate::dataset::pose::pose;
 use crate::dataset::python_json::{check_finite, numbers};
 use crate::dataset::upright_box::upright_box;
 
-/// An annotation, before it is brought into the frame of the sensor.
+/// An annotation before its transform into the frame of the sensor.
 #[derive(Debug, Clone, PartialEq)]
 pub struct WorldObject {
-    // `None` if nobody knows it.
+    // `None` if the class is unknown.
     class: Option<AnnotationClass>,
     category: Arc<str>,
     track: u32,
@@ -30,12 +30,12 @@ pub struct WorldObject {
     length_width_height_m: [f64; 3],
     attribute: Option<Arc<str>>,
     n_points: Option<u64>,
-    /// How it moves over the ground plan; `None` where it is not seen before or after.
+    /// Its velocity on the ground plan; `None` if there is no sighting before or after.
     pub velocity_m_per_s: Option<[f64; 2]>,
 }
 
 impl WorldObject {
-    /// The annotation without points, for a sensor that was there; `None` if nobody knows its class. The box is set upright.
+    /// The annotation without points, for a sensor with this pose; `None` if its class is unknown. The box is set upright.
     pub fn annotation(&self, world_from_sensor: &Isometry3<f64>) -> Option<Annotation> {
         let sensor_from_box = world_from_sensor.inverse() * self.world_from_box;
         Some(Annotation {
@@ -46,7 +46,7 @@ impl WorldObject {
         })
     }
 
-    /// The same as the tables have it.
+    /// The object as in the tables.
     pub fn official(&self) -> OfficialObject {
         OfficialObject {
             velocity_m_per_s: self.velocity_m_per_s,
@@ -99,9 +99,9 @@ struct AnnotationRecord {
     rotation: [f64; 4],
 }
 
-/// What annotations refer to.
+/// The records that annotations refer to.
 struct References {
-    // By token: the number of the instance and its category.
+    // By token: the number of the instance, and its category.
     instances: BTreeMap<String, (u32, Arc<str>)>,
     attributes: BTreeMap<String, Arc<str>>,
     occlusions: BTreeMap<String, Option<Occlusion>>,
@@ -110,9 +110,9 @@ struct References {
 /// Annotations by the token of their sample.
 pub type ObjectsBySample = BTreeMap<String, Vec<WorldObject>>;
 
-/// The annotations of each of `samples`, which come with their times in microseconds, and the other samples that have any.
+/// The annotations of `samples`, which come with their times in microseconds, and the other samples that have any.
 ///
-/// Annotations whose class nobody knows are noted in `classes`.
+/// Unknown classes of annotations are noted in `classes`.
 pub fn read_objects(
     table: &impl Fn(&str) -> PathBuf,
     samples: &BTreeMap<&str, Option<u64>>,
@@ -203,11 +203,11 @@ impl References {
     }
 }
 
-/// The attribute of a cycle that somebody rides.
+/// The attribute of a cycle with a rider.
 const WITH_RIDER: &str = "cycle.with_rider";
 
-/// The number and the category of each instance. Numbered by their index in the table, which is the same whichever scenes
-/// are read.
+/// The number and the category of each instance. The number is the index in the table, so it is the same for any choice of
+/// scenes.
 fn read_instances(
     table: &impl Fn(&str) -> PathBuf,
 ) -> Result<BTreeMap<String, (u32, Arc<str>)>, DatasetError> {
@@ -234,7 +234,7 @@ fn read_names(path: &Path) -> Result<BTreeMap<String, Arc<str>>, DatasetError> {
     Ok(names)
 }
 
-/// What each level of visibility says.
+/// The occlusion for each level of visibility.
 fn read_occlusions(path: &Path) -> Result<BTreeMap<String, Option<Occlusion>>, DatasetError> {
     let mut occlusions = BTreeMap::new();
     read_table(path, |it: VisibilityRecord| {
@@ -244,7 +244,7 @@ fn read_occlusions(path: &Path) -> Result<BTreeMap<String, Option<Occlusion>>, D
     Ok(occlusions)
 }
 
-/// How much of an object all cameras together see, in classes of a fifth.
+/// The occlusion for a level of visibility: the share of an object that all cameras together see, in steps of a fifth.
 fn occlusion_of(level: &str) -> Option<Occlusion> {
     match level {
         "v80-100" => Some(Occlusion::None),

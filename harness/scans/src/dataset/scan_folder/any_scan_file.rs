@@ -1,4 +1,4 @@
-//! A scan in a file of its own, in whichever format its name ends in.
+//! A scan in a file of its own, in the format of its ending.
 
 use std::path::Path;
 
@@ -14,7 +14,7 @@ use crate::dataset::scan_columns::ScanColumns;
 /// The endings of names of scans.
 pub const SCAN_EXTENSIONS: [&str; 6] = ["bin", "pcd", "ply", "npy", "las", "laz"];
 
-/// The ending of `path` if it is that of a scan.
+/// The ending of `path`; `None` if it is not that of a scan.
 pub fn scan_extension(path: &Path) -> Option<&'static str> {
     let extension = path.extension()?;
     SCAN_EXTENSIONS.into_iter().find(|it| extension.eq_ignore_ascii_case(it))
@@ -35,7 +35,7 @@ pub fn read_scan_file(path: &Path, columns: &ScanColumns) -> Result<ScanPoints, 
     Ok(at_origin(points.map_err(damaged(path))?.none_or_some(path)?))
 }
 
-/// [`ScanPoints::origin_m`] of the scan at `path`, for readers that want no points. It follows from them, so they are read.
+/// [`ScanPoints::origin_m`] of the scan at `path`, for callers that need no points, though these are read for it.
 pub fn scan_origin_m(path: &Path) -> Result<[f64; 3], DatasetError> {
     if !matches!(scan_extension(path), Some("las" | "laz")) {
         return Ok([0.0; 3]);

@@ -5,8 +5,8 @@
 //! labels/NAME.json                           optional: boxes; where there is a folder of labels, every scan has its own
 //! ```
 //!
-//! The folder of labels may be called `labels`, `label` or `label_2`; [`label_file`](super::label_file) says what may be in
-//! it.
+//! The folder of labels may be called `labels`, `label` or `label_2`; [`label_file`](super::label_file) lists the formats of
+//! its files.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::ffi::OsStr;
@@ -31,10 +31,10 @@ use crate::dataset::text_file::read_text_file;
 use crate::dataset::unpaired_files::{LeftOut, UnpairedFiles};
 use crate::dataset::{Dataset, DatasetError, Listing};
 
-/// Where scans may lie in the folder that is named.
+/// Folders of scans below the folder of the data set.
 const SCANS: [&str; 4] = ["", "lidar", "pointclouds", "velodyne"];
 
-/// Where labels may.
+/// Folders of labels.
 const LABELS: [&str; 3] = ["labels", "label", "label_2"];
 
 /// An open folder: the names of the scans are in memory.
@@ -55,14 +55,14 @@ pub fn is_scan_folder(folder: &Path) -> bool {
     scans_below(folder).is_some()
 }
 
-/// The folder with scans: `folder` itself, or one that tools keep them in.
+/// The folder with scans: `folder` itself, or one in which tools keep them.
 fn scans_below(folder: &Path) -> Option<PathBuf> {
     let has_scans = |folder: &PathBuf| entries_of(folder).is_ok_and(|it| it.iter().any(|it| is_scan(it)));
     SCANS.into_iter().map(|name| folder.join(name)).find(has_scans)
 }
 
-/// Opens the folder of `source`. Scans have the numbers that their files are called after, or else their positions among
-/// the names.
+/// Opens the folder of `source`. Scans have the numbers in the names of their files, or else their positions among the
+/// names.
 pub fn open_scan_folder(source: DatasetSource) -> Result<Box<dyn Dataset>, DatasetError> {
     let folder = source.path.clone();
     let mut scans = entries_of(&scans_below(&folder).unwrap_or(folder.clone()))?;
@@ -93,8 +93,8 @@ pub fn open_scan_folder(source: DatasetSource) -> Result<Box<dyn Dataset>, Datas
     Ok(Box::new(ScanFolder { listing, scans, names, columns, labels, left_out, classes }))
 }
 
-/// `scans` with their numbers: those that they are called after, if each has one of its own, and in the order of these; or
-/// else their positions.
+/// `scans` with their numbers: those in their names, if each has one of its own, and sorted by them; or else their
+/// positions.
 fn numbered(scans: Vec<PathBuf>) -> Vec<(u32, PathBuf)> {
     let number_of = |path: &PathBuf| {
         let stem = path.file_stem()?.to_str()?;
@@ -110,7 +110,7 @@ fn numbered(scans: Vec<PathBuf>) -> Vec<(u32, PathBuf)> {
     numbered
 }
 
-/// Takes scans without labels out of `scans` if damage is to be skipped; what was left out, labels without a scan, too.
+/// Takes scans without labels out of `scans` if damage is skipped; returns them and labels without a scan.
 fn leave_out_unpaired(
     scans: &mut Vec<(u32, PathBuf)>,
     labels: &Path,
@@ -144,7 +144,7 @@ fn checksum_of(
         checksum.add_scan(&name, sizes.n_bytes_of(scan));
         let file = labels.map(|it| LabelFile::find(it, scan)).transpose()?.flatten();
         for (index, file) in file.iter().flat_map(LabelFile::files).enumerate() {
-            // The first is that of the labels, the second what they need.
+            // The first is the file of the labels, the second the calibration.
             let kind = ["labels", "calib"][index];
             checksum.add_text(&format!("{kind}/{name}"), &read_text_file(file)?);
         }
@@ -191,7 +191,7 @@ impl Dataset for ScanFolder {
         &self.left_out
     }
 
-    /// Where the origin was moved to, of scans on a map.
+    /// The origin that a scan on a map was moved to.
     fn world_from_sensor(&self, scan_idx: usize) -> Result<Option<Isometry3<f64>>, DatasetError> {
         let origin_m = scan_origin_m(&self.scans[scan_idx])?;
         let pose =
@@ -205,7 +205,7 @@ impl Dataset for ScanFolder {
 }
 
 impl ScanFolder {
-    /// The labels of a scan, and the names of classes in them that nobody knows.
+    /// The labels of a scan, and the unknown names of classes in them.
     fn read_labels(
         &self,
         labels: &Path,
@@ -220,7 +220,7 @@ impl ScanFolder {
         Ok((annotations, classes.unknown().clone()))
     }
 
-    /// Of all labels that can be read, so that they are said at once.
+    /// The unknown classes of all labels that can be read, so that one error names them all.
     fn all_unknown_classes(&self, labels: &Path) -> UnknownClasses {
         let mut all = UnknownClasses::default();
         for scan in &self.scans {
@@ -232,24 +232,24 @@ impl ScanFolder {
     }
 }
 
-/// The files in `labels` that are called after none of `scans`, in order.
+/// The files in `labels` that are named after none of `scans`, in order.
 fn labels_without_scans(labels: &Path, scans: &[PathBuf]) -> Result<Vec<PathBuf>, DatasetError> {
     let stems: BTreeSet<&OsStr> = scans.iter().filter_map(|it| it.file_stem()).collect();
     let mut files = entries_of(labels)?;
     files.retain(|path| has_extension(path, "json") || has_extension(path, "txt"));
-    // labelCloud's own, beside the labels.
+    // A file of labelCloud's own, beside the labels.
     files.retain(|path| !path.ends_with("_classes.json"));
     files.retain(|path| path.file_stem().is_none_or(|it| !stems.contains(it)));
     Ok(files)
 }
 
-/// Whether the file at `path` is labels, and not something that lies beside them, such as a readme or a list of classes.
+/// Whether the file at `path` holds labels, and is no other file beside them, such as a readme or a list of classes.
 fn is_label_file(path: &Path) -> bool {
     let is_number = || stem_of(path).bytes().all(|it| it.is_ascii_digit());
     is_number() || read_text_file(path).map_or(true, |text| is_labels(path, &text))
 }
 
-/// Scans that differ only in their endings would share their labels.
+/// Fails if scans differ only in their endings: they would share their labels.
 fn refuse_same_names(scans: &[PathBuf]) -> Result<(), DatasetError> {
     let mut by_stem: BTreeMap<&OsStr, &PathBuf> = BTreeMap::new();
     for scan in scans {
@@ -261,7 +261,7 @@ fn refuse_same_names(scans: &[PathBuf]) -> Result<(), DatasetError> {
     Ok(())
 }
 
-/// Also a link to what is not there: it is refused by name.
+/// Also true for a broken link, which is refused by name later.
 fn is_scan(path: &Path) -> bool {
     scan_extension(path).is_some() && !path.is_dir()
 }

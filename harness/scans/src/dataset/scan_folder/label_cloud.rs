@@ -7,7 +7,7 @@ use serde::{Deserialize, Serialize};
 use super::listed_box::ListedBox;
 use crate::dataset::python_json::{number, number_or_none};
 
-/// A file: what the tool says about the scan, and the boxes.
+/// A file: the tool's entries about the scan, and the boxes.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct LabelCloudFile {
     /// The name of the folder of the scan.
@@ -16,7 +16,7 @@ pub struct LabelCloudFile {
     /// The name of its file.
     #[serde(default)]
     pub filename: String,
-    /// Both.
+    /// Folder and file as one path.
     #[serde(default)]
     pub path: String,
     /// The boxes.
@@ -34,7 +34,7 @@ pub struct LabelCloudObject {
     pub dimensions: Dimensions,
     /// Turns about the axes in radians, counter-clockwise; the last is the heading.
     pub rotations: Axes,
-    /// How sure the detector is whose proposal this is; the tool does not keep it.
+    /// How sure the detector is that proposed it; the tool does not keep this.
     #[serde(default, skip_serializing_if = "Option::is_none", deserialize_with = "number_or_none")]
     pub score: Option<f32>,
 }
@@ -64,7 +64,7 @@ pub struct Dimensions {
 }
 
 impl LabelCloudObject {
-    /// The box as labelCloud has it.
+    /// The box in labelCloud's form.
     pub fn new(listed: &ListedBox, score: Option<f32>) -> Self {
         let [x, y, z] = listed.center_m;
         let [length, width, height] = listed.length_width_height_m.map(f64::from);
@@ -78,7 +78,7 @@ impl LabelCloudObject {
         }
     }
 
-    /// The box as ours, set upright. Errors are the rest of a sentence about the file.
+    /// The box in our form, set upright. Errors are the rest of a sentence about the file.
     ///
     /// # Errors
     ///

@@ -1,4 +1,4 @@
-//! The boxes of one scan, in whichever format of labels.
+//! The boxes of one scan, in any format of labels.
 //!
 //! ```text
 //! NAME.json   a list of ours (see [`ListedBox`]), a list of SUSTechPOINTS, or a file of labelCloud: recognised by its content
@@ -24,7 +24,7 @@ use crate::dataset::kitti::label::{KITTI_VOCABULARY, KittiLabel, KittiObject, pa
 use crate::dataset::on_disk::has_extension;
 use crate::dataset::python_json::quoted;
 
-/// The labels of a scan with what they need.
+/// The label file of a scan, with the calibration that it needs.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum LabelFile {
     /// Boxes in JSON.
@@ -69,7 +69,7 @@ impl LabelFile {
         }
     }
 
-    /// Names that mean something else in this format than elsewhere.
+    /// Names with another meaning in this format than elsewhere.
     pub fn vocabulary(&self) -> &'static Vocabulary {
         match self {
             Self::Json(_) => &[],
@@ -77,8 +77,8 @@ impl LabelFile {
         }
     }
 
-    /// The boxes in the texts of [`Self::files`] as annotations without points, as seen from `origin_m`. Those whose class
-    /// nobody knows are noted in `classes` and left out.
+    /// The boxes in the texts of [`Self::files`] as annotations without points, relative to `origin_m`. Boxes of unknown
+    /// classes are noted in `classes` and left out.
     pub fn parse(
         &self,
         texts: &[String],
@@ -89,7 +89,7 @@ impl LabelFile {
             (Self::Kitti { labels, calibration }, [label_text, calibration_text]) => {
                 let calibration = parse_calibration(calibration, calibration_text)?;
                 let labels = parse_object_labels(labels, label_text, classes)?;
-                // Rectangles of an image say nothing about points without the image.
+                // A rectangle of an image does not apply to points without the image.
                 let objects = labels.into_iter().filter_map(|it| match it {
                     KittiLabel::Object(object) => Some(object),
                     KittiLabel::DontCare(_) => None,
@@ -111,7 +111,7 @@ impl LabelFile {
                 let mut annotations = Vec::with_capacity(listed.len());
                 for (index, it) in listed.iter().enumerate() {
                     let class = classes.class_of(&it.class, || format!("{path:?}, object {index}"));
-                    // A box that is none is damage, whatever it is said to be.
+                    // An invalid box is damage, whatever its class.
                     let annotation = it.annotation(class.unwrap_or(AnnotationClass::Misc), origin_m);
                     let annotation = annotation.map_err(|problem| {
                         damaged(format!("has object {index} ({:?}) {problem}", it.class))
@@ -124,7 +124,7 @@ impl LabelFile {
     }
 }
 
-/// Whether `text`, that of the file at `path`, is boxes of a known format, of whatever classes.
+/// Whether `text`, from the file at `path`, holds boxes of a known format, of any classes.
 pub fn is_labels(path: &Path, text: &str) -> bool {
     if has_extension(path, "json") {
         return parse_json(text).is_ok();
@@ -147,7 +147,7 @@ fn parse_json(text: &str) -> Result<Vec<ListedBox>, String> {
         let objects: Vec<SustechObject> = typed(value)?;
         return Ok(objects.iter().map(SustechObject::listed).collect());
     }
-    // From the text, so that a mistake has a line and a column.
+    // From the text, so that an error has a line and a column.
     serde_json::from_str(text).map_err(not_boxes)
 }
 

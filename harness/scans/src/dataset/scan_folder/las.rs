@@ -1,7 +1,7 @@
 //! LAS and LAZ, the formats of surveys: a header, then records whose coordinates are whole numbers, to be scaled and
 //! shifted.
 //!
-//! LAZ is decompressed chunk by chunk, so that nothing a file says decides how much memory is taken.
+//! LAZ is decompressed chunk by chunk, so that no value in a file decides how much memory is used.
 
 use std::io::Cursor;
 use std::ops::Range;
@@ -14,7 +14,7 @@ use laz::{DecompressionSelection, LazItem, LazItemType, LazVlr};
 use super::scan_file::ScanPoints;
 use crate::dataset::positioned_points::{MAX_COORDINATE_M, PositionedPoints};
 
-/// Points may be compressed to one of so many of their bytes.
+/// Compressed points may grow to this many times the bytes of the file.
 const MAX_GROWTH: u64 = 256;
 
 /// The names of the record with the compression's parameters.
@@ -45,9 +45,9 @@ struct LazCompression {
 
 /// The points in `bytes`, in metres. Errors are the rest of a sentence about the file.
 ///
-/// Where points are farther than 10 km from zero, as on a map (single precision would round them), the origin becomes a
-/// point with whole coordinates: the middle of their extent on the ground plan, and its least height. The extent in the
-/// header is not looked at: writers leave it at zero, or at that of a whole tile.
+/// If points are farther than 10 km from zero, as on a map (single precision would round them), the origin becomes a point
+/// with whole coordinates: the middle of their extent on the ground plan, and its least height. The extent in the header is
+/// ignored: writers leave it at zero, or at that of a whole tile.
 pub fn parse_las(bytes: &[u8]) -> Result<ScanPoints, String> {
     let header = parse_header(bytes)?;
     let mut records = Vec::new();
@@ -68,7 +68,7 @@ pub fn parse_las(bytes: &[u8]) -> Result<ScanPoints, String> {
             data.chunks_exact(header.record_length).take(header.n_points as usize).for_each(&mut take);
         }
         Some(compression) => {
-            // The decoder is somebody else's, and damage is damage whatever becomes of it there.
+            // The decoder is not ours: a panic in it is taken as damage.
             let decompressed =
                 catch_unwind(AssertUnwindSafe(|| decompress(bytes, &header, compression, &mut take)));
             decompressed.unwrap_or_else(|_| Err("has compressed points that cannot be read".to_owned()))?;
@@ -77,7 +77,7 @@ pub fn parse_las(bytes: &[u8]) -> Result<ScanPoints, String> {
     positioned(&header, &records)
 }
 
-/// The points of `records`, each of which has coordinates and intensity as the file has them.
+/// The points of `records`, which hold coordinates and intensity as in the file.
 fn positioned(header: &Header, records: &[([i32; 3], u16)]) -> Result<ScanPoints, String> {
     let origin_m = origin_of(header, records);
     let mut points = PositionedPoints::with_capacity(records.len());
@@ -94,7 +94,7 @@ fn positioned(header: &Header, records: &[([i32; 3], u16)]) -> Result<ScanPoints
     Ok(ScanPoints { points, origin_m })
 }
 
-/// Takes numbers out of a header whose length has been checked.
+/// Reads numbers of a header whose length has been checked.
 struct Fields<'a>(&'a [u8]);
 
 impl Fields<'_> {
@@ -116,10 +116,10 @@ impl Fields<'_> {
 }
 
 fn parse_header(bytes: &[u8]) -> Result<Header, String> {
-    /// The header of version 1.0, and that of 1.4, which has the number of points as 64 bits.
+    /// Lengths of the header of version 1.0, and of that of 1.4, which has the number of points as 64 bits.
     const LEAST: usize = 227;
     const WITH_LONG_COUNT: usize = 255;
-    /// No scale or origin of a map is greater.
+    /// No scale or offset of a map is greater.
     const MOST: f64 = 1e9;
     if !bytes.starts_with(b"LASF") || bytes.len() < LEAST {
         return Err("is not a LAS file, or is cut off within its header".to_owned());
@@ -159,7 +159,7 @@ fn parse_header(bytes: &[u8]) -> Result<Header, String> {
     Ok(header)
 }
 
-/// The parameters of the compression, among the records behind the header.
+/// The parameters of the compression, from the records behind the header.
 fn compression_of(mut records: &[u8], n_records: u32) -> Result<LazCompression, String> {
     const HEAD: usize = 54;
     for _ in 0..n_records {
@@ -218,7 +218,7 @@ fn decompress(
             return Ok(());
         }
         let chunk = bytes.get(position).ok_or("has a chunk that ends beyond its end")?;
-        // The first point of a chunk is not compressed, so that there are no more chunks than points' worth of bytes.
+        // The first point of a chunk is not compressed, so there are no more chunks than bytes for such points.
         if n_points_at_most == 0 || chunk.len() < header.record_length {
             return Err(format!("has a chunk of {n_points_at_most} points in {} bytes", chunk.len()));
         }
@@ -234,7 +234,7 @@ fn decompress(
         };
         let unknown = |error: laz::LasZipError| format!("has points of an unknown kind: {error}");
         decompressor.set_fields_from(compression.parameters.items()).map_err(unknown)?;
-        // Nothing else is looked at.
+        // No other fields are used.
         let wanted = DecompressionSelection::XY_RETURNS_CHANNEL
             | DecompressionSelection::Z
             | DecompressionSelection::INTENSITY;
@@ -249,7 +249,7 @@ fn decompress(
     if n_left == 0 { Ok(()) } else { Err(format!("has {n_left} points fewer than announced")) }
 }
 
-/// Where each chunk lies, one behind the other, and how many points it holds at most.
+/// The range of bytes of each chunk, one behind the other, and the most points that it holds.
 fn chunks_of(
     bytes: &[u8],
     header: &Header,
@@ -260,7 +260,7 @@ fn chunks_of(
     if compression.kind == POINTWISE {
         return Ok(vec![(begin..bytes.len(), header.n_points)]);
     }
-    // A writer that cannot go back leaves -1 here and says it at the end.
+    // A writer that cannot go back leaves -1 here and writes the position at the end.
     let long = |at: usize| {
         let eight = bytes.get(at..at + 8)?;
         Some(i64::from_le_bytes(eight.try_into().ok()?))
@@ -270,7 +270,7 @@ fn chunks_of(
     let n_chunks = position.and_then(|it| bytes.get(it..)).and_then(|table| table.get(4..8));
     let n_chunks = n_chunks.and_then(|it| it.try_into().ok()).map(u32::from_le_bytes);
     match n_chunks {
-        // A chunk takes a point and more, but for an empty one at the end; this bounds the table.
+        // Every chunk takes at least a point, except for an empty one at the end; this bounds the table.
         Some(n_chunks) if n_chunks as usize <= bytes.len() / header.record_length + 1 => {}
         _ => return Err("has no table of chunks, or one larger than the file".to_owned()),
     }
@@ -289,7 +289,7 @@ fn chunks_of(
     Ok(chunks)
 }
 
-/// Layers of a chunk: nine of the point itself, and those of what comes with it.
+/// Number of layers of a chunk: nine of the point itself, and those of its further fields.
 fn n_layers_of(parameters: &LazVlr) -> usize {
     let n_layers = |it: &LazItem| match it.item_type() {
         LazItemType::Point14 => 9,
@@ -300,7 +300,7 @@ fn n_layers_of(parameters: &LazVlr) -> usize {
     parameters.items().iter().map(n_layers).sum()
 }
 
-/// Makes sure that the layers of the chunk claim no more than what is there.
+/// Makes sure that the layers claim no more bytes than the chunk has.
 ///
 /// A chunk begins with a whole point and a number of points, then come the lengths of the layers.
 fn check_layers(chunk: &[u8], record_length: usize, n_layers: usize) -> Result<(), String> {
@@ -370,7 +370,7 @@ mod tests {
         let near = || file(&[[0, 0, 0], [1000, 2000, 300]], [0.0; 3]);
         let of_near = parse_las(&near()).unwrap();
         for extent_m in [0.0, f64::NAN, -1e300, 500_000.0, 20_000.0] {
-            // Most and least take turns.
+            // Greatest and least value take turns.
             let with_extent = |mut bytes: Vec<u8>| {
                 for (at, sign) in (179..227).step_by(8).zip([1.0, -1.0].into_iter().cycle()) {
                     bytes[at..at + 8].copy_from_slice(&(sign * extent_m).to_le_bytes());
@@ -403,7 +403,7 @@ mod tests {
             "a header with the number 2000000000, which is not within 1000000000 either way",
         );
         refused(&|it| it[104] = COMPRESSED, "no record of the compression");
-        // A survey wider than that has no origin that serves all of it.
+        // A wider survey has no origin that is near all its points.
         let wide = file(&[[0, 0, 0], [2_400_000, 0, 0]], [500_000.0, 0.0, 0.0]);
         let problem = parse_las(&wide).expect_err("two ends");
         assert!(problem.ends_with("which is at 512000 0 0 on its map: cut it into tiles"), "{problem}");

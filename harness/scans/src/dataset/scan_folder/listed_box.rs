@@ -7,9 +7,9 @@ use serde::{Deserialize, Serialize};
 use crate::annotation::Annotation;
 use crate::dataset::python_json::{number, numbers};
 
-/// Sides are shorter, in metres.
+/// All sides are shorter, in metres.
 const LONGEST_SIDE_M: f32 = 1e4;
-/// Positions on a map, in metres, and headings are smaller.
+/// All positions on a map, in metres, and all headings are smaller.
 const FARTHEST: f64 = 1e9;
 
 /// A box in a file; a list of these in JSON is our own format.
@@ -20,9 +20,9 @@ const FARTHEST: f64 = 1e9;
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct ListedBox {
-    /// What it is.
+    /// The name of its class.
     pub class: String,
-    /// Its centre in metres; on a map, beyond what single precision can hold.
+    /// Its centre in metres; on a map, with more digits than single precision holds.
     #[serde(deserialize_with = "numbers")]
     pub center_m: [f64; 3],
     /// Its sides in metres.
@@ -37,7 +37,7 @@ pub struct ListedBox {
 }
 
 impl ListedBox {
-    /// The box as an annotation of `class` without points, as seen from `origin_m`. Errors are the rest of a sentence about
+    /// The box as an annotation of `class` without points, relative to `origin_m`. Errors are the rest of a sentence about
     /// the object.
     pub fn annotation(&self, class: AnnotationClass, origin_m: [f64; 3]) -> Result<Annotation, String> {
         for (name, side_m) in ["length", "width", "height"].into_iter().zip(self.length_width_height_m) {

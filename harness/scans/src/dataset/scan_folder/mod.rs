@@ -1,4 +1,4 @@
-//! Folders of scans that are a file each, with boxes beside them or without.
+//! Folders of scans with a file for each, with boxes beside them or without.
 
 pub mod scan_file;
 pub mod pcd;

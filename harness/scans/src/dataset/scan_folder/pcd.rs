@@ -9,10 +9,10 @@ use crate::dataset::positioned_points::PositionedPoints;
 /// A point has fewer fields than this.
 const MAX_FIELDS: usize = 256;
 
-/// Compressed points may grow to so many times their size.
+/// Compressed points may grow to this many times their size.
 const MAX_GROWTH: usize = 256;
 
-/// What a header says.
+/// Values of the header; each field comes with the count of its numbers.
 struct Header<'a> {
     fields: Vec<(PackedField, usize)>,
     point_step: usize,
@@ -22,7 +22,7 @@ struct Header<'a> {
 
 /// The points in `bytes`, in metres. Errors are the rest of a sentence about the file.
 ///
-/// The pose of the sensor (`VIEWPOINT`) is not looked at: points are taken to be in its frame.
+/// The pose of the sensor (`VIEWPOINT`) is ignored: points are taken to be in its frame.
 pub fn parse_pcd(bytes: &[u8]) -> Result<PositionedPoints, String> {
     let (header, data) = parse_header(bytes)?;
     match header.encoding {
@@ -76,7 +76,7 @@ fn parse_header(bytes: &[u8]) -> Result<(Header<'_>, &[u8]), String> {
     }
 }
 
-/// The fields, with how many numbers each has, and the bytes of a point.
+/// The fields, each with the count of its numbers, and the bytes of a point.
 fn fields_of(
     names: &[&str],
     sizes: &[usize],
@@ -108,7 +108,7 @@ fn fields_of(
             ("U", 4) => NumberType::U32,
             ("F", 4) => NumberType::F32,
             ("F", 8) => NumberType::F64,
-            // Padding and what is not read may have any size.
+            // Padding and fields that are not read may have any size.
             ("I" | "U", 8) if !matches!(*name, "x" | "y" | "z") => NumberType::F64,
             (kind, size) => return Err(format!("has a field {name:?} of type {kind} and size {size}")),
         };
@@ -150,7 +150,7 @@ fn parse_text(header: &Header<'_>, data: &[u8]) -> Result<PositionedPoints, Stri
     let ring = column(RING);
     let time = time_field(&fields).and_then(|(field, unit_s)| Some((column(&field.name)?, unit_s)));
     let (mut rings, mut times_s) = (Vec::new(), Vec::new());
-    // Not as many as announced: that is only a claim.
+    // Grown as points are found: their number may be false.
     let mut points = PositionedPoints::default();
     for (line_idx, line) in
         text.lines().filter(|line| !line.trim().is_empty()).take(header.n_points).enumerate()
@@ -199,7 +199,7 @@ fn decompressed_rows(header: &Header<'_>, data: &[u8]) -> Result<Vec<u8>, String
     let columns = decompress_lzf(compressed, n_plain)?;
     let mut rows = vec![0; n_plain];
     let mut column_begin = 0;
-    // Every field has bytes, so that there are no more points than bytes.
+    // Every field has bytes, so there are no more points than bytes.
     for (field, count) in &header.fields {
         let n_bytes = field.number.n_bytes() * count;
         for point_idx in 0..header.n_points {
@@ -212,7 +212,7 @@ fn decompressed_rows(header: &Header<'_>, data: &[u8]) -> Result<Vec<u8>, String
     Ok(rows)
 }
 
-/// Undoes the LZF compression of `compressed`, which gives exactly `n_plain` bytes.
+/// Decompresses `compressed` by LZF, which must give exactly `n_plain` bytes.
 fn decompress_lzf(compressed: &[u8], n_plain: usize) -> Result<Vec<u8>, String> {
     let damaged = || "has compressed points that are damaged".to_owned();
     let mut plain = Vec::with_capacity(n_plain);
@@ -220,12 +220,12 @@ fn decompress_lzf(compressed: &[u8], n_plain: usize) -> Result<Vec<u8>, String> 
     while let Some(control) = bytes.next() {
         let control = usize::from(control);
         if control < 32 {
-            // So many bytes as they are.
+            // Copies `control` + 1 bytes unchanged.
             for _ in 0..=control {
                 plain.push(bytes.next().ok_or_else(damaged)?);
             }
         } else {
-            // So many bytes from so far back, which may overlap with what is being written.
+            // Copies bytes from further back, which may overlap with those being written.
             let mut length = control >> 5;
             if length == 7 {
                 length += usize::from(bytes.next().ok_or_else(damaged)?);
@@ -286,7 +286,7 @@ mod tests {
 
     fn compressed() -> Vec<u8> {
         let plain = columns().concat();
-        // Literals, but for the six nines: one as it is and five from one back.
+        // All bytes unchanged except the six nines: one unchanged, and five copied from one back.
         let at = 24;
         let mut lzf = vec![at as u8];
         lzf.extend(&plain[..=at]);

@@ -1,12 +1,12 @@
-//! What a file with a scan holds.
+//! The content of a file with a scan.
 
 use crate::dataset::positioned_points::PositionedPoints;
 
 /// The points of a file.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ScanPoints {
-    /// In metres from `origin_m`.
+    /// The points, in metres from `origin_m`.
     pub points: PositionedPoints,
-    /// The point in the coordinates of the file that has become the origin: theirs, unless the points are far from it.
+    /// The origin of the points in the coordinates of the file: zero, unless the points are far from it.
     pub origin_m: [f64; 3],
 }

@@ -16,7 +16,7 @@ pub struct SustechObject {
     pub obj_type: String,
     /// Its box.
     pub psr: PositionScaleRotation,
-    /// How sure the detector is whose proposal this is.
+    /// How sure the detector is that proposed it.
     #[serde(default, skip_serializing_if = "Option::is_none", deserialize_with = "number_or_none")]
     pub score: Option<f32>,
 }
@@ -31,7 +31,7 @@ pub struct PositionScaleRotation {
 }
 
 impl SustechObject {
-    /// The box as `SUSTechPOINTS` has it.
+    /// The box in the form of `SUSTechPOINTS`.
     pub fn new(listed: &ListedBox, score: Option<f32>) -> Self {
         let axes = |[x, y, z]: [f64; 3]| Axes { x, y, z };
         Self {
@@ -46,7 +46,7 @@ impl SustechObject {
         }
     }
 
-    /// The box as ours, set upright.
+    /// The box in our form, set upright.
     pub fn listed(&self) -> ListedBox {
         let PositionScaleRotation { position, scale, rotation } = self.psr;
         ListedBox {
@@ -59,7 +59,7 @@ impl SustechObject {
     }
 }
 
-/// Some versions of the tool write the one, some the other.
+/// Some versions of the tool write text, some numbers.
 fn text_or_number<'de, D: serde::Deserializer<'de>>(deserializer: D) -> Result<String, D::Error> {
     Ok(match serde_json::Value::deserialize(deserializer)? {
         serde_json::Value::String(text) => text,

@@ -1,4 +1,4 @@
-//! From a scan and its point labels to a labelled scan.
+//! Makes a labelled scan of a scan and its point labels.
 
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -14,11 +14,11 @@ use crate::dataset::positioned_points::PositionedPoints;
 /// The scan `id` with one annotation for each instance, then one for each pole or sign; `path` is the file of `labels`, one
 /// for each point of the file of `points`.
 ///
-/// Annotations have no boxes. Their tracks are the whole labels, which the same object keeps throughout its drive. Points of
-/// instance 0 belong to objects that were labelled without separating them: they become unscorable, like points whose
-/// label leaves open whether they are an object.
+/// Annotations have no boxes. Their tracks are the whole labels, which an object keeps throughout its drive. Points of
+/// instance 0 belong to objects that were labelled without separating them: they become unscorable, like points whose label
+/// leaves open whether they are an object.
 ///
-/// Points whose label the format does not have are noted in `classes`, by its number, and are unscorable.
+/// Points with a label that is not in the format are noted in `classes`, by its number, and are unscorable.
 pub fn label_scan(
     id: ScanId,
     points: PositionedPoints,
@@ -65,8 +65,7 @@ pub fn label_scan(
     LabeledScan { point_regions, points_left_out, ..everywhere }
 }
 
-/// What becomes of the points of a label: as the user says of its number, else as the format does. A number that neither
-/// knows is noted.
+/// The class of a label's number: as the user has it, else as the format has it. A number unknown to both is noted.
 pub fn class_of_number(
     number: u16,
     classes: &mut ClassReader<'_>,

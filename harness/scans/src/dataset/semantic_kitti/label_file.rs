@@ -7,7 +7,7 @@ use crate::dataset::DatasetError;
 use crate::dataset::on_disk::bytes_of;
 use crate::dataset::positioned_points::values_of_kept;
 
-/// The labels in the file at `path`, one for each point of `scan`; the file has them of all points of the scan's file.
+/// The labels of the points of `scan`, from the file at `path`, which has one for each point of the scan's file.
 pub fn read_labels_of_kept(path: &Path, scan: &LabeledScan) -> Result<Vec<u32>, DatasetError> {
     let labels = parse_label_file(path, &bytes_of(path)?, scan.cloud.len() + scan.points_left_out.len())?;
     Ok(values_of_kept(&labels, &scan.points_left_out))

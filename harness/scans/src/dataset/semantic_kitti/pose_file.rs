@@ -1,4 +1,4 @@
-//! `poses.txt`, `times.txt` and `calib.txt` of a drive: where the sensor was at which time.
+//! `poses.txt`, `times.txt` and `calib.txt` of a drive: poses of the sensor and their times.
 
 use std::path::Path;
 
@@ -10,7 +10,7 @@ use crate::dataset::text_file::text_lines;
 /// A matrix whose columns are off right angles and unit length by more than this is no rotation.
 const MAX_ROTATION_DEVIATION: f64 = 1e-3;
 
-/// Reads one pose a line, twelve numbers each: the upper three rows of a matrix, row by row.
+/// Reads one pose per line, twelve numbers each: the upper three rows of a matrix, row by row.
 pub fn parse_poses(path: &Path, text: &str) -> Result<Vec<Isometry3<f64>>, DatasetError> {
     text_lines(path, text)
         .map(|mut line| {
@@ -21,7 +21,7 @@ pub fn parse_poses(path: &Path, text: &str) -> Result<Vec<Isometry3<f64>>, Datas
         .collect()
 }
 
-/// Reads one time a line, in seconds, and turns it into nanoseconds.
+/// Reads one time per line, in seconds, and converts it to nanoseconds.
 pub fn parse_times(path: &Path, text: &str) -> Result<Vec<u64>, DatasetError> {
     text_lines(path, text)
         .map(|mut line| {
@@ -35,7 +35,7 @@ pub fn parse_times(path: &Path, text: &str) -> Result<Vec<u64>, DatasetError> {
         .collect()
 }
 
-/// Where the sensor is in the frame of the camera that the poses are of: the line `Tr` of `calib.txt`.
+/// The pose of the sensor in the frame of the camera that the poses are of: the line `Tr` of `calib.txt`.
 pub fn parse_camera_from_sensor(path: &Path, text: &str) -> Result<Isometry3<f64>, DatasetError> {
     for mut line in text_lines(path, text) {
         if line.word("name")? == "Tr:" {

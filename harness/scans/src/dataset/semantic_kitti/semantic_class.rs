@@ -1,26 +1,26 @@
-//! What the numbers of SemanticKITTI's labels stand for, and what becomes of them here.
+//! Classes of the numbers in SemanticKITTI's labels, and how their points are treated.
 
 use reports::vocabulary::class::AnnotationClass;
 
-/// What becomes of the points of a label.
+/// Treatment of the points of a label.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum SemanticClass {
     /// Each instance is an object. Points of instance 0 belong to objects that were labelled without separating them.
     Object(AnnotationClass),
-    /// A pole or sign. Real labels do not separate one from another: connected points are an object.
+    /// A pole or sign. Real labels do not separate one from another: connected points become an object.
     Upright,
     /// Road, pavement, ground, buildings: no object.
     Background,
-    /// Unlabelled, or a thing that may or may not be an object of its own: vegetation, trunks, fences, other
-    /// structures and objects, whose labels do not separate one from another.
+    /// Unlabelled, or something that may or may not be an object of its own: vegetation, trunks, fences, other structures
+    /// and objects, whose labels do not separate one from another.
     Unscorable,
-    /// The same, of a kind whose instances are objects in converted data sets.
+    /// As `Unscorable`, for a class whose instances are objects in converted data sets.
     UnscorableUnlessInstance(AnnotationClass),
 }
 
-/// The meaning of the lower 16 bits of a label, or `None` if the format does not know them.
+/// The class of the lower 16 bits of a label; `None` if they are not in the format.
 ///
-/// What moves has numbers of its own; whether it does makes no difference here.
+/// Moving objects have numbers of their own, which are treated like those of resting ones.
 pub fn semantic_class(number: u16) -> Option<SemanticClass> {
     use AnnotationClass as Class;
     Some(match number {
@@ -43,13 +43,13 @@ pub fn semantic_class(number: u16) -> Option<SemanticClass> {
     })
 }
 
-/// The label of what is not judged.
+/// The label of points that are not judged.
 pub const UNLABELED_NUMBER: u16 = 0;
 
-/// The label of what is no object, if nothing more is known about it: *other ground*.
+/// The label of points of no object, if nothing more is known about them: *other ground*.
 pub const BACKGROUND_NUMBER: u16 = 49;
 
-/// The number that stands for objects of `class`.
+/// The number for objects of `class`.
 ///
 /// Vans become cars, trailers *other vehicle*, street furniture *other object*, hedges *vegetation*, trees *trunk*.
 pub fn number_of(class: AnnotationClass) -> u16 {

@@ -41,7 +41,7 @@ struct SemanticKitti {
     classes: ClassRules,
 }
 
-/// When and where the sensor was, by number of the scan; empty where the files do not say.
+/// Times and poses of the sensor, by number of the scan; empty if the files do not state them.
 #[derive(Debug, Clone)]
 struct Sequence {
     times_ns: Vec<u64>,
@@ -56,7 +56,7 @@ pub fn is_semantic_kitti(folder: &Path) -> bool {
 
 /// Opens the folder of `source`: all drives that have labels, or only those of `sequences`.
 ///
-/// Scans and labels are not looked into.
+/// No scan and no label is read.
 pub fn open_semantic_kitti(mut source: DatasetSource) -> Result<Box<dyn Dataset>, DatasetError> {
     let sequences = source.parts.sequences.take();
     let mut folder = SplitFolder::unchecked(&source.path);
@@ -141,11 +141,11 @@ impl SemanticKitti {
         self.file(id, LABELS, "label")
     }
 
-    /// Of all labels that can be read, so that they are said at once.
+    /// The unknown classes of all labels that can be read, so that one error names them all.
     fn all_unknown_classes(&self) -> UnknownClasses {
         let mut classes = ClassReader::new(&self.classes, &[]);
         for path in self.listing.scan_ids.iter().map(|id| self.label_file(id)) {
-            // What cannot be read is said when its scan is read.
+            // A file that cannot be read fails when its scan is read.
             let bytes = bytes_of(&path).unwrap_or_default();
             let (labels, _) = bytes.as_chunks::<4>();
             for (point_idx, &[low, high, _, _]) in labels.iter().enumerate() {
@@ -169,7 +169,7 @@ fn labeled_sequences(folder: &SplitFolder) -> Result<BTreeSet<String>, DatasetEr
     Ok(names)
 }
 
-/// The numbers of the scans of sequence `name`, at least one, each with its labels; what is not is added to `left_out`.
+/// The numbers of the scans of sequence `name` that have labels, at least one; other files are added to `left_out`.
 fn scan_numbers(
     folder: &mut SplitFolder,
     name: &str,
@@ -214,7 +214,7 @@ fn open_sequence(
             })?;
             let camera_from_sensor = parse_camera_from_sensor(&folder.path_of(&file("calib")), &calibration)?;
             let poses = parse_poses(&folder.path_of(&file("poses")), &text)?;
-            // The world is the frame of the sensor at the first scan, as the poses' is that of the camera.
+            // The world is the frame of the sensor at the first scan, as that of the poses is the frame of the camera.
             let world_from_camera = |pose: Isometry3<f64>| camera_from_sensor.inverse() * pose;
             poses.into_iter().map(|pose| world_from_camera(pose) * camera_from_sensor).collect()
         }

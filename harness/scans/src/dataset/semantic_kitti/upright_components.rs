@@ -4,15 +4,15 @@ use std::collections::BTreeMap;
 
 use detector::PointCloud;
 
-/// Side of the cells by which points hang together, in metres on the ground plan.
+/// Side of the cells that connect points, in metres on the ground plan.
 ///
-/// Two points less than 0.3 m apart always belong together, two without any between them and more than 0.85 m apart (the
-/// diagonal of two cells) never do.
+/// Two points less than 0.3 m apart always belong together; two points without any between them and more than 0.85 m apart
+/// (the diagonal of two cells) never do.
 const CELL_SIZE_M: f32 = 0.3;
 
-/// Groups `point_indices` of `cloud` into upright things, each ascending, in the order of their first points.
+/// Groups `point_indices` of `cloud` into upright objects, each ascending, in the order of their first points.
 ///
-/// Only the ground plan is looked at: the rings of a sensor meet a pole far apart from each other.
+/// Heights are ignored: the rings of a sensor meet a pole far apart from each other.
 pub fn upright_components(cloud: &PointCloud, point_indices: &[u32]) -> Vec<Vec<u32>> {
     let mut points_by_cell: BTreeMap<[i64; 2], Vec<u32>> = BTreeMap::new();
     for &point_idx in point_indices {

@@ -1,4 +1,4 @@
-//! The calibration of one sensor: the maker's `db.xml`, or the YAML that drivers of others make of it.
+//! The calibration of one sensor: the maker's `db.xml`, or the YAML that other people's drivers make of it.
 
 use std::collections::BTreeMap;
 
@@ -7,10 +7,10 @@ use quick_xml::events::Event;
 
 use super::laser_table::Laser;
 
-/// More lasers than any sensor has.
+/// No sensor has more lasers.
 const MAX_LASERS: usize = 128;
 
-/// Metres of a step of the distances in packets; files that say otherwise are of other sensors.
+/// Metres of a step of the distances in packets; files with other steps belong to other sensors.
 pub const DISTANCE_STEP_M: f32 = 0.002;
 
 /// Numbers beyond this are mistakes, whatever the unit.
@@ -51,7 +51,7 @@ fn laser_of(values: &Values) -> Laser {
     }
 }
 
-/// What is looked at: the name in YAML, that in XML, and what makes metres and radians of the number in XML.
+/// The values that are used: name in YAML, name in XML, and the factor from XML to metres and radians.
 const DEGREES: f32 = std::f32::consts::PI / 180.0;
 const CENTIMETRES: f32 = 0.01;
 const NAMES: [(&str, &str, f32); 8] = [
@@ -84,7 +84,7 @@ fn begin_laser(lasers: &mut Vec<Values>) -> Result<(), String> {
     if lasers.len() > MAX_LASERS { Err(format!("has more than {MAX_LASERS} lasers")) } else { Ok(()) }
 }
 
-/// A list of items, each with names and numbers, whether in lines or between braces. Not all of YAML: what such files have.
+/// A list of items with names and numbers, in lines or between braces. Only the part of YAML that these files use.
 fn parse_yaml(text: &str) -> Result<Vec<Values>, String> {
     let mut lasers: Vec<Values> = Vec::new();
     for line in text.lines() {

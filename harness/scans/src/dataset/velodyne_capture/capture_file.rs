@@ -1,6 +1,6 @@
-//! Captures of network packets, pcap and pcapng: where the payloads of UDP lie that go to a port.
+//! Captures of network packets, pcap and pcapng: positions of the UDP payloads that go to a port.
 //!
-//! Walked from record to record, so that a capture may be larger than memory; a record may be no larger than the buffer.
+//! The file is walked from record to record, so a capture may be larger than memory; a record must fit into the buffer.
 
 use std::collections::BTreeMap;
 use std::io::Read as _;
@@ -15,19 +15,19 @@ use reports::files::regular_file::RegularFile;
 
 use crate::dataset::DatasetError;
 
-/// No packet of a network is as large.
+/// No packet of a network is this large.
 const BUFFER_BYTES: usize = 1 << 19;
 
 /// A payload within the file.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Payload {
-    /// Where it begins.
+    /// Its start in the file.
     pub offset: u64,
     /// When it was captured, in nanoseconds since 1970.
     pub time_ns: u64,
 }
 
-/// Whether `path` is a file that begins as a capture does.
+/// Whether `path` is a file that begins like a capture.
 pub fn is_capture(path: &Path) -> bool {
     let mut magic = [0; 4];
     path.is_file()
@@ -42,18 +42,18 @@ pub fn is_capture(path: &Path) -> bool {
         )
 }
 
-/// What is meant for somebody: payloads of so many bytes to a port.
+/// The wanted payloads: those of one length to one port.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Wanted {
     /// The port of UDP that they go to.
     pub port: u16,
     /// Their length in bytes.
     pub length: usize,
-    /// Their sender; the first one if this is left out.
+    /// Their sender; the first one if `None`.
     pub sender: Option<Ipv4Addr>,
 }
 
-/// What a walk through a capture found.
+/// Result of a walk through a capture.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Walked {
     /// The number of packets to the port from each sender.
@@ -62,8 +62,8 @@ pub struct Walked {
     pub cut_off: Option<String>,
 }
 
-/// The payloads in the capture at `path` that are `wanted`, in the order of the file. `take` is shown each and may refuse the
-/// file; its errors are the rest of a sentence about it.
+/// Passes the `wanted` payloads in the capture at `path` to `take`, in the order of the file. `take` may refuse the file;
+/// its errors are the rest of a sentence about it.
 pub fn walk_payloads(
     path: &Path,
     wanted: Wanted,
@@ -120,7 +120,7 @@ struct Packet<'a> {
     bytes: &'a [u8],
 }
 
-/// Where packets were captured: the kind of the link, and how many ticks a second has.
+/// The interfaces of the capture: kind of the link, and ticks in a second.
 #[derive(Default)]
 struct Interfaces(Vec<(Linktype, u64)>);
 
@@ -153,12 +153,12 @@ impl Interfaces {
     }
 }
 
-/// As much as 64 bits hold.
+/// At most what 64 bits hold.
 fn ns_of(ticks: u64, ticks_per_s: u64) -> u64 {
     u64::try_from(u128::from(ticks) * 1_000_000_000 / u128::from(ticks_per_s.max(1))).unwrap_or(u64::MAX)
 }
 
-/// The sender and the position of the payload, if `packet` is a whole datagram of that length to `port`.
+/// The sender and the position of the payload, if `packet` is a whole datagram of this length to `port`.
 fn datagram(link: Linktype, packet: &[u8], port: u16, length: usize) -> Option<(Ipv4Addr, usize)> {
     let sliced = match get_packetdata(packet, link, packet.len())? {
         PacketData::L2(frame) => LaxSlicedPacket::from_ethernet(frame).ok()?,
@@ -172,6 +172,6 @@ fn datagram(link: Linktype, packet: &[u8], port: u16, length: usize) -> Option<(
     };
     let payload = udp.payload();
     let is_meant = udp.destination_port() == port && payload.len() == length;
-    // It is a part of the packet.
+    // The payload is a part of the packet.
     is_meant.then_some((internet.header().source_addr(), payload.as_ptr().addr() - packet.as_ptr().addr()))
 }

@@ -1,6 +1,6 @@
-//! The data packets: twelve blocks of 32 measurements each, and the way from a measurement to a point.
+//! The data packets: twelve blocks of 32 measurements each, and the points of these measurements.
 //!
-//! Where packets carry two returns of every laser, the last is taken.
+//! If packets hold two returns of every laser, the last is taken.
 
 use std::ops::Range;
 
@@ -11,34 +11,34 @@ use crate::dataset::positioned_points::PositionedPoints;
 /// The port that data packets go to.
 pub const DATA_PORT: u16 = 2368;
 
-/// Bytes of a data packet.
+/// Size of a data packet in bytes.
 pub const N_PACKET_BYTES: usize = 1206;
 
-/// Blocks of a packet.
+/// Number of blocks in a packet.
 pub const N_BLOCKS: usize = 12;
 
-/// Hundredths of a degree of a turn.
+/// A whole turn in hundredths of a degree.
 pub const FULL_TURN: u16 = 36_000;
 
 const N_BLOCK_BYTES: usize = 100;
 const N_MEASUREMENTS: usize = 32;
 
-/// What a block begins with: lasers 0 to 31, and 32 to 63.
+/// The first bytes of a block: of lasers 0 to 31, and of 32 to 63.
 const FIRST_BANK: u16 = 0xeeff;
 const SECOND_BANK: u16 = 0xddff;
 
-/// The last bytes of a packet: how many returns, and of which sensor, but for the HDL-64E.
+/// The last bytes of a packet: number of returns, and sensor; not so for the HDL-64E.
 const DUAL_RETURN: u8 = 0x39;
 const PRODUCTS: [(u8, VelodyneModel); 2] = [(0x21, VelodyneModel::Hdl32e), (0x22, VelodyneModel::Vlp16)];
 
-/// More than a column of lasers turns before the next, in hundredths of a degree; a larger step is a gap.
+/// The greatest step from one column of lasers to the next, in hundredths of a degree; a larger step is a gap.
 pub const MAX_STEP: u16 = 300;
 
-/// The two distances at which lasers are measured, along and across, in metres.
+/// The two distances at which lasers were calibrated, the near one across and along, in metres.
 const FAR_M: f32 = 25.04;
 const NEAR_M: [f32; 2] = [2.40, 1.93];
 
-/// The way that the head turns, seen from above.
+/// The direction in which the head turns, seen from above.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Rotation {
     /// Azimuths ascend.
@@ -57,7 +57,7 @@ impl Rotation {
         ((u32::from(to) + u32::from(FULL_TURN) - u32::from(from)) % u32::from(FULL_TURN)) as u16
     }
 
-    /// So many hundredths of a degree as a change of the azimuth.
+    /// A step in hundredths of a degree as a change of the azimuth.
     fn signed(self, step: u16) -> f32 {
         match self {
             Self::Clockwise => f32::from(step),
@@ -66,7 +66,7 @@ impl Rotation {
     }
 }
 
-/// Which laser measured a point, and when.
+/// Laser and time of a point.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Firing {
     /// Its index in the table of lasers.
@@ -105,7 +105,7 @@ impl<'a> DataPacket<'a> {
         let rotation = Rotation::Clockwise;
         let mut packet = Self { bytes, model, is_dual: returns == DUAL_RETURN, rotation };
         if model == VelodyneModel::Hdl64e {
-            // What other sensors say with the last bytes is something else here.
+            // The last bytes of this sensor have another meaning.
             packet.is_dual = packet.azimuth(0) == packet.azimuth(2);
         }
         match (0..N_BLOCKS).map(|block| packet.azimuth(block)).find(|it| *it >= FULL_TURN) {
@@ -114,7 +114,7 @@ impl<'a> DataPacket<'a> {
         }
     }
 
-    /// The same of a head that turns this way.
+    /// The packet of a head that turns this way.
     pub fn turning(self, rotation: Rotation) -> Self {
         Self { rotation, ..self }
     }
@@ -135,13 +135,13 @@ impl<'a> DataPacket<'a> {
         u16::from_le_bytes([self.bytes[at], self.bytes[at + 1]])
     }
 
-    /// Blocks of one azimuth.
+    /// Number of blocks with one azimuth.
     fn n_blocks_of_column(&self) -> usize {
         let n_banks = if self.model == VelodyneModel::Hdl64e { 2 } else { 1 };
         if self.is_dual { 2 * n_banks } else { n_banks }
     }
 
-    /// Whether a block holds the returns that are taken: the last ones, which come first but for the HDL-64E.
+    /// Whether a block holds the returns that are taken: the last ones, which come first except in the HDL-64E.
     fn is_taken(&self, block: usize) -> bool {
         match (self.is_dual, self.model) {
             (false, _) => true,
@@ -150,7 +150,7 @@ impl<'a> DataPacket<'a> {
         }
     }
 
-    /// By how much the azimuth changes from this column to the next.
+    /// Change of the azimuth from this column to the next.
     fn step(&self, block: usize) -> f32 {
         let n = self.n_blocks_of_column();
         let column = block / n;
@@ -158,14 +158,14 @@ impl<'a> DataPacket<'a> {
         let step_of = |column: usize| {
             self.rotation.from(self.azimuth(column * n), self.azimuth((column + 1) % (N_BLOCKS / n) * n))
         };
-        // The last one is followed by the next packet, and as wide as the one before. So is one before a gap.
+        // The last column is followed by the next packet, and as wide as the one before. So is a column before a gap.
         let is_gap = |step: u16| (MAX_STEP + 1..FULL_TURN - MAX_STEP).contains(&step);
         let steps = [column.min(last), column.saturating_sub(1), 0, last].map(step_of);
         let step = steps.into_iter().find(|it| !is_gap(*it)).unwrap_or(0);
         if step > MAX_STEP { 0.0 } else { self.rotation.signed(step) }
     }
 
-    /// The first block behind a gap of the field of view that lies within the packet.
+    /// The first block behind a gap of the field of view within the packet.
     pub fn block_after_gap(&self) -> Option<usize> {
         let is_after_gap = |block: &usize| {
             let step = self.rotation.from(self.azimuth(block - 1), self.azimuth(*block));
@@ -180,14 +180,13 @@ impl<'a> DataPacket<'a> {
         (N_BLOCKS / self.n_blocks_of_column()) as f32 * of_column
     }
 
-    /// When its first lasers fired, in microseconds of an hour.
+    /// Time of its first lasers, in microseconds of an hour.
     pub fn micros_of_hour(&self) -> u32 {
         let [.., a, b, c, d, _, _] = *self.bytes;
         u32::from_le_bytes([a, b, c, d])
     }
 
-    /// Appends the points of `blocks`, and what is known of them beside. Measurements without a
-    /// return are none.
+    /// Appends the points of `blocks`, and their lasers and times. Measurements without a return give no point.
     pub fn append_points(
         &self,
         blocks: Range<usize>,
@@ -219,7 +218,7 @@ impl<'a> DataPacket<'a> {
         Ok(())
     }
 
-    /// When a laser fires, as a share of the time from one column to the next.
+    /// Time of a laser within its column, as a share of the time from one column to the next.
     fn share_of_step(&self, index: usize) -> f32 {
         let [micros, of_column] = self.micros_of(index);
         micros / of_column
@@ -231,7 +230,7 @@ impl<'a> DataPacket<'a> {
         (block / self.n_blocks_of_column()) as f32 * of_column + micros
     }
 
-    /// Microseconds from the beginning of a column to a laser, and to the next column.
+    /// Microseconds from the start of a column to a laser, and to the next column.
     fn micros_of(&self, index: usize) -> [f32; 2] {
         match self.model {
             VelodyneModel::Vlp16 => [55.296 * (index / 16) as f32 + 2.304 * (index % 16) as f32, 110.592],
@@ -241,7 +240,7 @@ impl<'a> DataPacket<'a> {
     }
 }
 
-/// Where a laser hit, with x forward and y left; the azimuth is clockwise from forward.
+/// The position of a return, with x forward and y left; the azimuth is clockwise from forward.
 fn position_m(laser: &Laser, azimuth_rad: f32, measured_m: f32) -> [f32; 3] {
     let (sin_vertical, cos_vertical) = laser.vertical_rad.sin_cos();
     let (sin, cos) = (azimuth_rad - laser.rotation_rad).sin_cos();
@@ -255,7 +254,7 @@ fn position_m(laser: &Laser, azimuth_rad: f32, measured_m: f32) -> [f32; 3] {
         Some(nearby_m) => {
             let seen_m = [right_m(along_m(distance_m)).abs(), forward_m(along_m(distance_m)).abs()];
             std::array::from_fn(|axis| {
-                // Between the two; beyond them, as at the nearer one of them.
+                // Interpolated between the two distances; beyond them, as at the nearer one.
                 let share = ((seen_m[axis] - NEAR_M[axis]) / (FAR_M - NEAR_M[axis])).clamp(0.0, 1.0);
                 distance_m + (laser.distance_m - nearby_m[axis]) * (share - 1.0)
             })

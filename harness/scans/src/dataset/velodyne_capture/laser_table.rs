@@ -2,14 +2,14 @@
 
 use std::f32::consts::PI;
 
-/// Which sensor.
+/// A model of Velodyne's sensors.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum VelodyneModel {
     /// 16 lasers.
     Vlp16,
     /// 32 lasers.
     Hdl32e,
-    /// 64 lasers in two banks, each sensor with a calibration of its own.
+    /// 64 lasers in two banks; each sensor has a calibration of its own.
     Hdl64e,
 }
 
@@ -24,24 +24,24 @@ impl VelodyneModel {
     }
 }
 
-/// How a laser points, and by how much its measurements are off.
+/// Direction of a laser, and corrections of its measurements.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct Laser {
-    /// Elevation.
+    /// Elevation in radians.
     pub vertical_rad: f32,
-    /// Turn against the head, as the azimuth clockwise.
+    /// Turn against the head in radians, clockwise like the azimuth.
     pub rotation_rad: f32,
-    /// Height above the origin.
+    /// Height above the origin in metres.
     pub vertical_offset_m: f32,
-    /// Distance beside the axis.
+    /// Distance beside the axis in metres.
     pub horizontal_offset_m: f32,
-    /// What is added to a distance.
+    /// Correction that is added to a distance, in metres.
     pub distance_m: f32,
-    /// What is added nearby, across and along; the same as far away for most.
+    /// Corrections nearby, across and along, in metres; `None` if they are the same as far away.
     pub distance_nearby_m: Option<[f32; 2]>,
 }
 
-/// The lasers of a sensor whose lasers are where its manual says; none of one that is calibrated one by one.
+/// The lasers of a sensor as its manual lists them; none for a model that is calibrated one by one.
 pub fn lasers_of(model: VelodyneModel) -> Vec<Laser> {
     match model {
         VelodyneModel::Vlp16 => {

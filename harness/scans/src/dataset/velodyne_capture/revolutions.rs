@@ -1,11 +1,11 @@
-//! Captures of packets as scans, one a [turn](super::turns) of the head.
+//! Captures of packets as scans, one for each [turn](super::turns) of the head.
 //!
 //! ```text
 //! NAME.pcap, NAME.pcapng               the packets
 //! NAME.xml, .yaml or .yml, or db.xml   beside it: the calibration, which an HDL-64E needs
 //! ```
 //!
-//! The packets are read once when a capture is opened; what stays in memory is where they lie.
+//! The packets are read once when a capture is opened; only their positions stay in memory.
 
 use std::collections::BTreeMap;
 use std::io::{Read as _, Seek as _, SeekFrom};
@@ -29,10 +29,10 @@ use crate::dataset::text_file::read_text_file;
 use crate::dataset::unpaired_files::few_of;
 use crate::dataset::{Dataset, DatasetError, Listing};
 
-/// After so many microseconds the clock of a packet begins again.
+/// The clock of a packet starts again after this many microseconds.
 const MICROS_OF_HOUR: u32 = 3_600_000_000;
 
-/// Packets of a sensor follow each other sooner than this; otherwise their clock was set meanwhile, or there is none.
+/// Packets of a sensor follow each other sooner than this; otherwise their clock was set in between, or there is none.
 const MAX_MICROS_BETWEEN_PACKETS: u64 = 1_000_000;
 
 /// An open capture.
@@ -50,8 +50,8 @@ struct VelodyneCapture {
 
 /// Opens the capture of `source`.
 ///
-/// Several sensors send to one port; which one is meant is chosen as topics are, by the address. If damage is to be skipped,
-/// so are packets that are none, and the end of a capture that is cut off is left out.
+/// If several sensors send to one port, the user chooses one by its address, in place of a topic. If damage is skipped,
+/// invalid packets are skipped too, and so is the end of a capture that is cut off.
 pub fn open_velodyne_capture(source: DatasetSource) -> Result<Box<dyn Dataset>, DatasetError> {
     let path = source.path.clone();
     let sender = source.parts.topics.cloud.as_deref().map(|it| address(&path, it)).transpose()?;
@@ -130,13 +130,13 @@ impl VelodyneCapture {
             file.read_exact(&mut bytes).map_err(io_error)?;
             let first = if packet_idx == turn.first_packet { turn.first_block } else { 0 };
             let end = if packet_idx == turn.last_packet { turn.end_block } else { N_BLOCKS };
-            // Read before, unless the file has changed since.
+            // Parsed before, unless the file has changed since.
             let packet = DataPacket::parse(&bytes).map_err(damaged)?.turning(self.rotation);
             firings.clear();
             packet.append_points(first..end, &self.lasers, &mut points, &mut firings).map_err(damaged)?;
             let firing_s = |it: &Firing| 1e-6 * f64::from(it.micros);
             if packet_idx == turn.first_packet && first > 0 && packet.block_after_gap() == Some(first) {
-                // Its clock is that of the blocks before the gap, so that of the next packet has to do.
+                // Its clock is that of the blocks before the gap, so the clock of the next packet is used.
                 let packet_s = -1e-6 * f64::from(packet.duration_micros());
                 offsets_s.extend(firings.iter().map(|it| packet_s + firing_s(it)));
                 is_after_gap = true;
@@ -155,7 +155,7 @@ impl VelodyneCapture {
     }
 }
 
-/// The address of a sensor that the user chose.
+/// The address of a sensor, from the text that the user chose.
 fn address(path: &Path, chosen: &str) -> Result<Ipv4Addr, DatasetError> {
     let problem = || {
         format!(
@@ -165,7 +165,7 @@ fn address(path: &Path, chosen: &str) -> Result<Ipv4Addr, DatasetError> {
     chosen.parse().map_err(|_| DatasetError::Usage(problem()))
 }
 
-/// An error if there are several senders and none of them was chosen, or another one.
+/// Fails if there are several senders and none was chosen, or if the chosen one is missing.
 fn refuse_several(
     path: &Path,
     chosen: Option<Ipv4Addr>,
@@ -188,7 +188,7 @@ fn refuse_several(
     }
 }
 
-/// Lets times begin at the first one.
+/// Shifts times so that the first one is 0.
 fn shift_to_first(times_s: &mut [f64]) {
     let first_s = times_s.first().copied().unwrap_or(0.0);
     for time_s in times_s {
@@ -203,7 +203,7 @@ struct PacketClock {
 }
 
 impl PacketClock {
-    /// Seconds from the first packet to this one; not a number where the clock does not go on, as in captures without one.
+    /// Seconds from the first packet to this one; NaN if the clock does not go on, as in captures without one.
     fn seconds_since_first(&mut self, micros_of_hour: u32) -> f64 {
         let [first, last] = self.first_and_last_micros.unwrap_or([micros_of_hour; 2]);
         let is_first = self.first_and_last_micros.is_none();
@@ -240,7 +240,7 @@ impl Packets {
     }
 }
 
-/// The lasers of the sensor: as a calibration beside the capture says, or else the manual.
+/// The lasers of the sensor: from a calibration beside the capture, or else from the manual.
 fn lasers_beside(
     path: &Path,
     model: VelodyneModel,

@@ -1,55 +1,55 @@
-//! Turns of a spinning head, cut out of the azimuths of its packets.
+//! Cuts the packets of a spinning head into turns, by their azimuths.
 //!
-//! A turn begins where nothing is seen: in the middle of the blind arc of a sensor whose field of view is limited, or else at
-//! azimuth 0. Whatever the head passes that azimuth with ends a turn, also a jump over it.
+//! A turn begins where nothing is seen: in the middle of the blind arc of a sensor with a limited field of view, or else at
+//! azimuth 0. It ends when the head passes this azimuth, also by a jump over it.
 
 use super::data_packet::{FULL_TURN, MAX_STEP, N_BLOCKS, Rotation};
 
-/// Longer than this without a packet, in nanoseconds, and nobody knows how often the head has turned.
+/// After a longer time without a packet, in nanoseconds, the number of turns of the head is unknown.
 const MAX_PAUSE_NS: u64 = 40_000_000;
 
-/// A turn that begins and ends this near to the ends of the field of view is whole, in hundredths of a degree; of a narrow
-/// field within this part of it.
+/// A turn that begins and ends this near to the ends of the field of view is whole, in hundredths of a degree; in a narrow
+/// field, within the given part of it.
 const WHOLE_WITHIN: u16 = 500;
 const WHOLE_WITHIN_PART: u16 = 20;
 
 /// The head goes back no farther than this, by the noise of its encoder, in hundredths of a degree.
 const MAX_BACK: u16 = 100;
 
-/// A blind arc is at least as wide, in hundredths of a degree.
+/// Blind arcs are at least this wide, in hundredths of a degree.
 const MIN_BLIND: u16 = 500;
 
-/// Where only whole packets are missing, they may be lost: so much has to be missing in all turns together before it is a
-/// blind arc, in hundredths of a degree.
+/// If only whole packets are missing, they may be lost: an arc is blind only if this much is missing in all turns together,
+/// in hundredths of a degree.
 const MIN_BLIND_BETWEEN_PACKETS: usize = 9_000;
 
-/// The azimuths of a packet and when it was captured.
+/// The azimuths of a packet, and the time of its capture.
 #[derive(Debug, Clone, Copy)]
 pub struct PacketAzimuths {
-    /// Of its blocks, in hundredths of a degree.
+    /// The azimuths of its blocks, in hundredths of a degree.
     pub azimuths: [u16; N_BLOCKS],
-    /// In nanoseconds.
+    /// The time of its capture, in nanoseconds.
     pub time_ns: u64,
 }
 
-/// The packets of a turn, of which the first and the last may belong to it in part.
+/// The packets of a turn; the first and the last may belong to it only in part.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Turn {
-    /// The packet with its first block.
+    /// The packet with the first block of the turn.
     pub first_packet: usize,
-    /// That block.
+    /// The first block, as an index in this packet.
     pub first_block: usize,
-    /// The packet with its last block.
+    /// The packet with the last block of the turn.
     pub last_packet: usize,
-    /// The block behind that.
+    /// The index behind the last block in that packet.
     pub end_block: usize,
     /// Whether it spans the whole field of view.
     is_whole: bool,
 }
 
-/// The turns of `packets`, and which way the head turns.
+/// The turns of `packets`, and the direction in which the head turns.
 ///
-/// What is no whole turn at the beginning and the end is left out, unless there is nothing else.
+/// Incomplete turns at the beginning and the end are left out, unless there are no others.
 pub fn turns_of(packets: &[PacketAzimuths]) -> (Vec<Turn>, Rotation) {
     let field = Field::of(packets);
     let mut turns = cut(packets, field);
@@ -64,7 +64,7 @@ pub fn turns_of(packets: &[PacketAzimuths]) -> (Vec<Turn>, Rotation) {
     (turns, field.rotation)
 }
 
-/// The field of view, as what is seen in all turns.
+/// The field of view, as seen in all turns together.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 struct Field {
     rotation: Rotation,
@@ -111,7 +111,7 @@ impl Field {
         self.rotation.from(self.cut, azimuth)
     }
 
-    /// Whether blocks from `first` to `last` span the field of view.
+    /// Whether blocks from azimuth `first` to azimuth `last` span the field of view.
     fn is_whole(self, first: u16, last: u16) -> bool {
         let within = WHOLE_WITHIN.min((FULL_TURN - self.blind) / WHOLE_WITHIN_PART);
         let reach = self.blind / 2 + within;
@@ -119,7 +119,7 @@ impl Field {
     }
 }
 
-/// The way that most of the small steps go.
+/// The direction of most of the small steps.
 fn rotation_of(packets: &[PacketAzimuths]) -> Rotation {
     let (mut n_clockwise, mut n_others) = (0_usize, 0_usize);
     for (.., [before, azimuth]) in steps(packets) {
@@ -130,7 +130,7 @@ fn rotation_of(packets: &[PacketAzimuths]) -> Rotation {
     if n_clockwise >= n_others { Rotation::Clockwise } else { Rotation::CounterClockwise }
 }
 
-/// The first azimuth and the width of the widest arc in which there is no block.
+/// The first azimuth and the width of the widest arc without a block, in hundredths of a degree.
 fn widest_unseen(packets: &[PacketAzimuths]) -> (u16, u16) {
     let mut is_seen = vec![false; usize::from(FULL_TURN)];
     for azimuth in packets.iter().flat_map(|it| it.azimuths) {
@@ -148,11 +148,11 @@ fn widest_unseen(packets: &[PacketAzimuths]) -> (u16, u16) {
     arcs.max_by_key(|it| it.1).unwrap_or_default()
 }
 
-/// Cuts wherever the head passes the cut for the first time, and after each pause in which it may have.
+/// Cuts where the head passes the cut for the first time, and after each pause in which it may have.
 fn cut(packets: &[PacketAzimuths], field: Field) -> Vec<Turn> {
     let pauses = Pauses::of(packets, field);
     let mut turns: Vec<Turn> = Vec::new();
-    // Hundredths of a degree since the cut before the first block, and turns by them.
+    // Hundredths of a degree from the cut before the first block, and whole turns by them.
     let mut turned = packets.first().map_or(0, |it| i64::from(field.progress(it.azimuths[0])));
     let mut n_turned = 0;
     let mut first_azimuth = 0;
@@ -181,14 +181,14 @@ fn cut(packets: &[PacketAzimuths], field: Field) -> Vec<Turn> {
 }
 
 impl Field {
-    /// How far the head turns from one block to the next: forward, or back by noise.
+    /// How far the head turns from one block to the next, in hundredths of a degree: forward, or back by noise.
     fn step(self, before: u16, azimuth: u16) -> i64 {
         let forward = self.rotation.from(before, azimuth);
         let back = if forward > FULL_TURN - MAX_BACK { FULL_TURN } else { 0 };
         i64::from(forward) - i64::from(back)
     }
 
-    /// How far the head turns from the last block of one packet to that of the next, and whether it passes the cut.
+    /// Hundredths of a degree from the last block of one packet to that of the next, and whether the head passes the cut.
     fn motion(self, [before, packet]: [&PacketAzimuths; 2]) -> (i64, bool) {
         let from = before.azimuths[N_BLOCKS - 1];
         let (mut motion, mut last) = (0, from);
@@ -200,8 +200,8 @@ impl Field {
     }
 }
 
-/// How long the head needs: of a sensor that sees all round, packets follow one another; one that does not is silent for
-/// most of a turn, and then its packets say how long a turn takes.
+/// The time of a turn. Packets of a sensor that sees all round follow one another, and it is not needed. Other sensors are
+/// silent for most of a turn; then their packets show how long it takes.
 #[derive(Debug, Clone, Copy)]
 struct Pauses {
     period_ns: Option<u64>,
@@ -223,7 +223,7 @@ impl Pauses {
         Self { period_ns: periods_ns.get(periods_ns.len() / 2).copied() }
     }
 
-    /// Whether the head may have turned once more than azimuths say before packet `packet_idx`.
+    /// Whether the head may have turned once more before packet `packet_idx` than azimuths show.
     fn may_hide_a_turn(self, packets: &[PacketAzimuths], field: Field, packet_idx: usize) -> bool {
         let Some([before, packet]) = packet_idx.checked_sub(1).and_then(|it| packets.get(it..=packet_idx))
         else {

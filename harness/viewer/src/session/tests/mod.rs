@@ -1,4 +1,4 @@
-//! What a recording holds, read back as a viewer would read it.
+//! Content of a recording, read back as a viewer would read it.
 
 use std::net::TcpListener;
 use std::time::{Duration, Instant};
@@ -68,7 +68,7 @@ fn outcomes_that_a_scan_no_longer_has_are_cleared() {
         ("/world/sensor/detectors/grid/outcomes/objects/matched Boxes3D:half_sizes", 2),
         ("/world/sensor/detectors/grid/outcomes/objects/matched Clear:is_recursive", 1),
         ("/world/sensor/detectors/grid/outcomes/objects/missed Boxes3D:half_sizes", 2),
-        // Of the one that is false it is known what is seen.
+        // The seen sides of the false detection are known.
         ("/world/sensor/detectors/grid/outcomes/objects/false/partly_seen LineStrips3D:strips", 2),
         ("/world/sensor/detectors/grid/outcomes/vehicles/missed Clear:is_recursive", 1),
     ]);

@@ -1,4 +1,4 @@
-//! What is said of results that changed.
+//! Texts about results that changed.
 
 use super::*;
 use crate::rows::match_outcome::DetectionFacts;
@@ -81,7 +81,7 @@ fn each_change_has_a_kind() {
             "{object}: still found, but at cost 0.200 with 39 points, before at cost 0.200 with 40 points"
         ),
     );
-    // Nobody would see a difference between the lines of these.
+    // The printed lines of these would not differ.
     let text = "box, score or cost of 1 object, by less than is shown";
     check(pair(detection(10.0, 40), 0.2), pair(surer.clone(), 0.2), ChangeKind::NotShown, text);
     check(pair(detection(10.0, 40), 0.2), pair(detection(10.0, 40), 0.2001), ChangeKind::NotShown, text);
@@ -119,14 +119,14 @@ fn what_stands_somewhere_else_is_new_and_the_earlier_one_gone() {
     assert_eq!(kinds, [ChangeKind::NewFalse, ChangeKind::NoLongerFalse]);
 }
 
-/// As with walls switched off: among hundreds of objects whose cost changed some are lost.
+/// As with walls switched off: among hundreds of objects with another cost, some are lost.
 #[test]
 fn what_is_lost_comes_first_in_every_format() {
     let (mut before, mut now) = (Vec::new(), Vec::new());
     for scan in 0..30 {
         for id in 0..20 {
             before.push(found(scan, annotation(id, 50), detection(10.0, 40), 0.2));
-            // The same to three digits, and not the same.
+            // Equal to three digits, but not the same.
             let cost = if id < 10 { 0.2001 } else { 0.3 };
             now.push(found(scan, annotation(id, 50), detection(10.0, 40), cost));
         }

@@ -1,11 +1,11 @@
-//! Which runs can be judged by each other.
+//! Runs that can be judged by each other.
 
 use super::*;
 use crate::run_folder::manifest::{DetectorEntry, ForeignEntry};
 use crate::tables::verdict::brief::{Brief, Purpose};
 use crate::tables::verdict::comparison::{ComparedSlices, compare_runs};
 
-/// The usual run, whose only entry is `pca`, of others.
+/// The usual run, whose only entry is a foreign `pca`.
 fn with_foreign(foreign: ForeignEntry) -> RunArchive {
     let mut run = USUAL.archive();
     run.manifest.detectors = vec![DetectorEntry { foreign: Some(foreign), ..sample::detector("pca") }];
@@ -24,7 +24,7 @@ fn a_detector_that_was_not_run_everywhere_is_not_comparable() {
         "the runs cannot be compared: the detector pca is only in the earlier run, not in the later one"
     );
 
-    // A new one has nothing to be judged by, and is named.
+    // A new detector has nothing to be judged by, and is named.
     let verdict = judge(&run, &USUAL.archive(), &tolerances()).unwrap();
     check_holds(&printed(&verdict), "Not judged, because only the later run has it: pca.");
     let comparison = compare_runs(&run, &USUAL.archive(), ComparedSlices::All).unwrap();
@@ -56,7 +56,7 @@ fn scans_of_which_points_or_labels_changed_are_not_gated() {
     assert!(error.starts_with(expected) && error.ends_with("their checksums differ"), "{error}");
 }
 
-/// They are what is judged, as the parameters of a detector are.
+/// The results are what is judged, as the parameters of a detector are.
 #[test]
 fn results_of_other_files_are_gated_and_the_files_counted() {
     let with = |checksum: &str| {

@@ -71,7 +71,7 @@ fn a_verdict_in_brief_has_thirty_lines_of_eighty_characters_at_most() {
     assert!(text.contains("more numbers are missing."), "{text}");
 }
 
-/// Scans of which nobody knows when they were taken: however large a loss is, it is not sure.
+/// Without known times of the scans no loss is sure, however large it is.
 #[test]
 fn scans_that_may_be_neighbours_show_no_loss() {
     let without_times = |mut archive: RunArchive| {
@@ -87,7 +87,7 @@ fn scans_that_may_be_neighbours_show_no_loss() {
     check_holds(&text, "These scans may be neighbours, because their times are not known");
     check_holds(&Markdown.text(&verdict), "inconclusive: scans may be neighbours");
     check_holds(&JUnit.text(&verdict), "inconclusive, scans may be neighbours: ");
-    // The same scans with times are no others, but their intervals would be.
+    // With times they are the same scans, but their intervals would be others.
     let reasons = against_usual(&after).unwrap_err().to_string();
     check_holds(&reasons, "the time of scan 0000/000000 of main_road changed");
     let said = "No loss will be sure: scans without known times, which may be neighbours, are not enough to show one.";

@@ -1,4 +1,4 @@
-//! What rules are about, and what they leave open.
+//! Subjects of rules, and those that they leave open.
 
 use super::*;
 use crate::verdicts::rule_problems::RuleProblem;
@@ -51,7 +51,7 @@ fn rules_about_nothing_are_refused_all_at_once() {
     );
     // A beginning that no slice has.
     check_holds(&problem(vec![rule(&["recall"], &["occlusion/*"])]), "there is no slice \"occlusion/*\"");
-    // Precision is not measured of classes, and what is torn apart is measured of everything alone.
+    // Precision is not measured of classes, and over-segmentation is measured of everything alone.
     for (metric, slice) in
         [("precision", "class/car"), ("over_segmentation", "range/*"), ("box_yaw_error_deg", "all")]
     {
@@ -97,7 +97,7 @@ fn a_number_that_is_missing_is_named_and_nothing_passes() {
             &format!("\nf_rate of all, pca, objects, main_road: {}.\n", missing.in_words()),
         );
     }
-    // Of no named task, and nowhere else either: the rule is about nothing.
+    // In no named task, and nowhere else either: the rule is about nothing.
     let tolerances = held_to(vec![rule(&["f_rate"], &["all"])]);
     let error = judge(&unknown.archive(), &unknown.archive(), &tolerances).unwrap_err().to_string();
     check_holds(&error, "no effect on f_rate of \"all\"");
