@@ -69,7 +69,6 @@ picture of these points for simulated data and each recorded data set; manifest.
 
 /// Fewer vehicles of a class than this make no picture of their points.
 const FEWEST_SHOWN: usize = 10;
-/// Notes of the tables.
 const NOTES: [&str; 2] = [
     "centre, length, width, yaw: medians of absolute errors; the others are shares. pairs: clusters of the \
      hierarchical detector that match an annotated car, van, truck or bus; all boxes are fitted to the same points. \

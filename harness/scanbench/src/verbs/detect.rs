@@ -102,7 +102,6 @@ pub fn detect(arguments: &DetectArgs) -> Result<(), Failure> {
     }
 }
 
-/// Destinations of the results.
 struct Destinations {
     clusters: Option<Destination>,
     boxes: Option<Destination>,

@@ -91,7 +91,6 @@ pub fn gaps(arguments: &GapsArgs) -> Result<(), Failure> {
     )
 }
 
-/// The pairs that are put up.
 fn scenes(arguments: &GapsArgs, pairs: &StagedPairs) -> serde_json::Value {
     serde_json::json!({
         "sensor": pairs.sensor(),

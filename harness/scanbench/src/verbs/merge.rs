@@ -100,7 +100,6 @@ fn merge_run(Merged { study, directory, whole }: Merged<WholeRun>) -> Result<(),
     }
 }
 
-/// Takes the directory of the whole.
 fn claim(study: Study, manifest: &Manifest, output: &OutputArgs) -> Result<ClaimedTarget, Failure> {
     let ids: Vec<&str> = manifest.selected().iter().map(|(id, _)| *id).collect();
     WorkOutput::claim(study, None, output)?.target(&ids.join("+"))

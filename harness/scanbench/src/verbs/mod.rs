@@ -188,9 +188,7 @@ pub const SCAN_STUDIES: [(Study, WriteStudy); 2] =
 
 /// A command whose work can be cut into shards.
 pub struct Shareable<'a> {
-    /// Where it writes.
     pub output: &'a OutputArgs,
-    /// Which shard it makes.
     pub shard: &'a ShardArgs,
     /// Opens its data sets, detectors and models, and looks at nothing else.
     pub open: Box<dyn Fn() -> Result<(), Failure> + 'a>,
@@ -225,7 +223,6 @@ impl Command {
     }
 }
 
-/// Does what the command line asks for.
 pub fn dispatch(cli: &Cli) -> Result<(), Failure> {
     set_verbosity(match (cli.quiet, cli.verbose) {
         (true, _) => Verbosity::Quiet,

@@ -73,7 +73,6 @@ const DETECTORS: [&str; 5] = ["hierarchical", "kd-tree-tree", "kd-tree", "pca", 
 /// Name of the method with the trees of [`RobustnessArgs::other_training`].
 const OTHER_TRAINING: &str = "hierarchical, other training";
 
-/// The method.
 const METHOD: &str = "hierarchical";
 
 /// Kind of the scenes that the seed of the experiment draws.

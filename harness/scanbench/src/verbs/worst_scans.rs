@@ -71,11 +71,9 @@ pub fn record(
     Ok(())
 }
 
-/// A scan with mistakes.
 struct WorstScan {
     /// Data set, and scan within it.
     indices: [usize; 2],
-    /// Marks of the mistakes.
     marks: Vec<Mark>,
 }
 
@@ -89,7 +87,6 @@ fn mark(rank: u32, mistake: &ListedMistake<'_>) -> Option<Mark> {
     Some(Mark { position_m: mistake.position_m?, text })
 }
 
-/// Everything that is needed to run scans once more.
 struct RunAgain {
     arguments: Box<RunArgs>,
     config: RunConfig,

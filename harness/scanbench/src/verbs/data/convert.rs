@@ -18,7 +18,6 @@ use crate::plumbing::open_datasets::{OpenedDataset, open_datasets, open_datasets
 use crate::plumbing::progress::progress_over_scans;
 use crate::plumbing::standard_streams::print_result;
 
-/// Writes the data sets in another format.
 pub fn data_convert(arguments: &ConvertArgs) -> Result<(), Failure> {
     convert_all(
         arguments,
@@ -26,7 +25,6 @@ pub fn data_convert(arguments: &ConvertArgs) -> Result<(), Failure> {
     )
 }
 
-/// Writes simulated data sets.
 pub fn data_simulate(arguments: &ConvertArgs) -> Result<(), Failure> {
     let opened = open_datasets(&arguments.data, &ClassTable::default())?;
     if let Some(recorded) = opened.iter().map(|it| it.dataset.description()).find(|it| it.root.is_some()) {
@@ -80,7 +78,6 @@ pub fn folder_of_several(folder: &Path) -> Result<NewFolders, ConversionError> {
     NewFolders::create(folder).map_err(|source| ConversionError::Write { path: folder.to_path_buf(), source })
 }
 
-/// Where each data set goes.
 fn paths_of(arguments: &ConvertArgs, format: OutputFormat, opened: &[OpenedDataset]) -> Vec<PathBuf> {
     let folder = &arguments.output;
     if let [_] = opened {

@@ -33,7 +33,6 @@ use crate::verbs::partial::sets::{Compared, Known, trained_on};
 /// The largest file of rows of a peer, in bytes.
 const MOST_OF_ROWS: u64 = 1 << 32;
 
-/// The manifest of the result.
 pub fn manifest(arguments: &PartialArgs, sets: &[Compared], started: Timestamp) -> Result<Manifest, Failure> {
     let of_set = |it: &Compared| PartialSet {
         judged: entry(&*it.judged),

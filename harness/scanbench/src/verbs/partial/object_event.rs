@@ -12,7 +12,6 @@ use crate::plumbing::failure::Failure;
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum ObjectEvent {
-    /// A method has classified an object.
     Answer(Answer),
     /// All methods have classified all objects, and these are the predictions of other people's programs.
     Peers {
@@ -26,9 +25,7 @@ pub enum ObjectEvent {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Answer {
-    /// Index of the set.
     pub set_idx: usize,
-    /// Index of the method.
     pub method_idx: usize,
     /// Index of the object in the set.
     pub object_idx: usize,
@@ -45,7 +42,6 @@ pub struct ObjectRows {
 }
 
 impl ObjectRows {
-    /// Adds `event`.
     pub fn add(&mut self, event: ObjectEvent) {
         match event {
             ObjectEvent::Answer(answer) => self.answers.push(answer),
@@ -61,7 +57,6 @@ impl ObjectRows {
     }
 }
 
-/// The rows of all answers in `journal`.
 pub fn answers_in(journal: &Journal) -> Result<Vec<PartialRow>, Failure> {
     let mut rows = ObjectRows::default();
     let read = Journal::read(journal.path(), |event| {

@@ -17,9 +17,7 @@ use crate::plumbing::object_sets::{ObjectOpening, refuse_idle_options};
 
 /// Objects that are judged, and the source of what methods know.
 pub struct Compared {
-    /// The objects.
     pub judged: Box<dyn ObjectCloudSet>,
-    /// Source of what methods know.
     pub known: Known,
 }
 
@@ -27,12 +25,10 @@ pub struct Compared {
 pub enum Known {
     /// They learn from these objects.
     Objects {
-        /// The objects.
         training: Box<dyn ObjectCloudSet>,
         /// Whether they are the recorded ones that are judged, too: then half of them are learned from.
         are_same: bool,
     },
-    /// A trained model.
     Model(Arc<PartialModel>),
 }
 
@@ -99,7 +95,6 @@ impl Compared {
         }
     }
 
-    /// The objects that are learned from.
     pub fn training_indices(&self) -> Vec<usize> {
         match &self.known {
             Known::Objects { training, are_same } => {

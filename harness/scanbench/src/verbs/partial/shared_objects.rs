@@ -53,7 +53,6 @@ pub struct SharedObjects<'a> {
 pub struct Interrupted {
     /// The last object that was judged.
     pub object_idx: usize,
-    /// Its set.
     pub set: String,
 }
 

@@ -62,7 +62,6 @@ impl<'a> Judge<'a> {
         Ok(Self { tally, report, leads, datasets, settings, by_criterion, observed, objects })
     }
 
-    /// All claims of `papers`, judged.
     pub fn claims(&self, papers: &[Paper]) -> Vec<JudgedClaim> {
         let claims = claims().into_iter().filter(|it| papers.contains(&it.paper));
         claims.map(|it| self.judged(it)).collect()

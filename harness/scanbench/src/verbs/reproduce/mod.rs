@@ -21,5 +21,4 @@ pub fn reproduce(arguments: &ReproduceArgs) -> Result<(), Failure> {
     }
 }
 
-/// The method of the papers.
 const METHOD: &str = "paper";

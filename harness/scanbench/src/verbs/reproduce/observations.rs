@@ -27,7 +27,6 @@ const RINGS_M: [f64; 2] = [5.0, 60.0];
 /// The reading of the papers under which all of this is seen.
 pub const GOOD_FAITH: &str = "good faith";
 
-/// Observations of scans.
 pub struct Observations {
     // The method at each of [`CELL_SIZES_M`] from 0.3 to 1.2 m.
     by_cell_size: CountedPoints,

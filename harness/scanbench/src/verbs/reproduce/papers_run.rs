@@ -56,7 +56,6 @@ const VARIANTS: [(&str, &str); 3] = [
     ("paper, no Hough transform", "paper.walls.enabled=false"),
 ];
 
-/// The rivals of the papers.
 const RIVALS: [&str; 2] = ["kd-tree", "pca"];
 
 /// kd-tree has the boxes of VM section 4, as the method has them: claims by boxes and by centres are about the papers'
@@ -229,7 +228,6 @@ const STEP_FILES: [&str; 2] = ["steps_objects", "steps_vehicles"];
 const LOSSES: [&str; 2] = ["Where objects are lost", "Where vehicles are lost"];
 const LOSS_FILES: [&str; 2] = ["losses_objects", "losses_vehicles"];
 
-/// Everything that is written.
 struct Written<'a> {
     arguments: &'a ReproduceArgs,
     claims: &'a [JudgedClaim],

@@ -13,11 +13,9 @@ use reports::vocabulary::task::Task;
 use super::METHOD;
 use super::settings_study::RIVALS;
 
-/// The tables of the run of a tally.
 pub struct RateTables<'a> {
-    /// The run.
     pub tally: &'a Tally,
-    /// Its samples.
+    /// Samples of the run.
     pub leads: &'a LeadsOf<'a>,
 }
 

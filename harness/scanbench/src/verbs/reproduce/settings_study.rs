@@ -72,7 +72,6 @@ impl CountedPoints {
         sum?.f_rate()
     }
 
-    /// Number of data sets.
     pub fn n_datasets(&self) -> usize {
         self.counts.len()
     }
@@ -80,7 +79,6 @@ impl CountedPoints {
 
 /// All settings, with their rates.
 pub struct SettingsStudy {
-    /// The rates.
     pub sensitivity: Sensitivity,
     methods: CountedPoints,
     // At each criterion.

@@ -25,7 +25,6 @@ pub struct ChosenRun {
 }
 
 impl ChosenRun {
-    /// Detectors and parameters that `arguments` ask for.
     pub fn of(arguments: &RunArgs) -> Result<Self, Failure> {
         let left = &arguments.foreign.detections;
         let (chosen, mut config) = chosen_with_results(&arguments.config, &arguments.detectors, left)?;
@@ -66,9 +65,7 @@ impl ChosenRun {
 pub struct OpenedRun {
     /// Parameters of detectors and matching.
     pub config: RunConfig,
-    /// The data sets.
     pub datasets: Vec<OpenedDataset>,
-    /// The detectors.
     pub compared_detectors: Vec<ComparedDetector>,
     /// Results of detectors that do not run here.
     pub results: OpenedResults,
@@ -93,7 +90,6 @@ impl OpenedRun {
         })
     }
 
-    /// The run over the data sets.
     pub fn watched<'a>(&'a self, arguments: &RunArgs, progress: &'a RunProgress) -> WatchedRun<'a> {
         let timing = &arguments.timing;
         WatchedRun {

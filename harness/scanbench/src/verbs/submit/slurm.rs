@@ -105,7 +105,6 @@ impl JobScripts {
     }
 }
 
-/// Limits of every job.
 fn limits(arguments: &SlurmArgs) -> String {
     let SlurmArgs { time, memory, partition, .. } = arguments;
     let options = [("time", time), ("mem", memory), ("partition", partition)];

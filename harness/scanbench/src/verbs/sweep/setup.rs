@@ -30,23 +30,19 @@ use crate::plumbing::run_manifest::{RunSettings, detector_entries, run_manifest}
 
 /// Points, detectors and data sets of a sweep.
 pub struct Sweep<'a> {
-    /// The arguments.
     pub arguments: &'a SweepArgs,
     /// Points and detectors.
     pub plan: SweepPlan,
     /// Protocols that it is evaluated by, too, if any.
     pub protocols: Option<ChosenProtocols>,
-    /// The scans.
     pub datasets: Vec<OpenedDataset>,
     /// Scans at points that were counted before, by their keys.
     pub counted: BTreeSet<[usize; 3]>,
     /// Scans that were timed before, by their keys.
     pub timed: BTreeSet<(usize, usize)>,
-    /// When it was begun.
     pub started: Timestamp,
 }
 
-/// The points that `arguments` ask for.
 pub fn sweep_plan(arguments: &SweepArgs) -> Result<SweepPlan, Failure> {
     let file = ConfigArgs { config: arguments.config.clone(), parameters: Vec::new() };
     let (detectors, mut config) = runnable_detectors(&file, &arguments.detectors)?;
@@ -84,7 +80,6 @@ impl<'a> Sweep<'a> {
         Ok(Self { arguments, plan, protocols, datasets, counted, timed, started })
     }
 
-    /// The data sets, as a sweep goes over them.
     pub fn swept_datasets(&self) -> Vec<SweptDataset<'_>> {
         let mut swept = Vec::new();
         for OpenedDataset { dataset, scan_indices, part, .. } in &self.datasets {
@@ -129,7 +124,6 @@ impl<'a> Sweep<'a> {
         self.arguments.jobs.map_or_else(n_cores, usize::from)
     }
 
-    /// The manifest of the sweep.
     pub fn manifest(&self) -> Manifest {
         let mut manifest = run_manifest(RunSettings {
             selection: self.arguments.data.scans.as_deref(),

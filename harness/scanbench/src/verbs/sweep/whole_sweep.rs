@@ -24,9 +24,7 @@ use crate::verbs::sweep::files::{
 
 /// A sweep that is completely counted, and written.
 pub struct WholeSweep {
-    /// Its numbers.
     pub scores: SweepScores,
-    /// The text that is printed.
     pub printed: String,
 }
 
@@ -68,7 +66,6 @@ impl WholeResult for WholeSweep {
     }
 }
 
-/// Adds the results of `shard` to those of the sweep of `manifest`.
 fn add_shard(tally: &mut SweepTally<'_>, shard: &ShardLog<'_>, manifest: &Manifest) -> Result<(), Failure> {
     let Some(entry) = &manifest.sweep else { return Ok(()) };
     let expected = Expected { shard, entry, n_detectors: manifest.detectors.len() };

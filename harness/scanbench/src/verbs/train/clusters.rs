@@ -20,9 +20,7 @@ use crate::verbs::train::data::nothing;
 pub struct ClustersOf<'a> {
     /// The parameters of the detector, which classifies vehicles by their size.
     pub config: &'a RunConfig,
-    /// The detector.
     pub detector: &'static str,
-    /// Fewest points of a cluster.
     pub min_points: usize,
     /// Seed of the choice of regions that are cut out.
     pub seed: u64,

@@ -32,9 +32,8 @@ pub struct FoldedCandidates<'a> {
     pub taught: &'a [&'a Candidate],
     /// The data set of each.
     pub datasets: &'a [&'a str],
-    /// Most vehicles.
     pub most_vehicles: usize,
-    /// Most others for each of them.
+    /// Most others for each vehicle.
     pub others_per_vehicle: f64,
     /// Seed of the choice of examples.
     pub seed: u64,

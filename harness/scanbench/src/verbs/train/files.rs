@@ -23,9 +23,7 @@ use crate::verbs::train::data::TrainingData;
 
 /// A model and how it was judged.
 pub struct TrainedModel<'a, const D: usize> {
-    /// The classifier.
     pub model: SvmModel<D>,
-    /// Name of its file.
     pub file_name: &'static str,
     /// The file, with what it compares with.
     pub file: ModelFile,

@@ -155,9 +155,7 @@ pub fn groups_of_all<'a>(
 
 /// Trained forests, and how they do on drives they have not seen.
 pub struct TrainedTrees {
-    /// The forests.
     pub model: GroupingModel,
-    /// How they do.
     pub judgement: Judgement,
     n_taught: usize,
 }

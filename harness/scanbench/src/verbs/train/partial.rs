@@ -24,7 +24,6 @@ use crate::plumbing::remote::local_name;
 use crate::plumbing::run_directory::{claim_named, claim_unnamed};
 use crate::plumbing::standard_streams::print_result_in;
 
-/// The name of the model in the directory.
 const PARTIAL_FILE: &str = "partial.model";
 
 /// Trains a bag of graphs, and writes it.
