@@ -23,7 +23,7 @@ impl ShardedCommand {
         let (verb, arguments) = words.split_first().expect("clap wants a verb");
         let Some(Shareable { output, shard, .. }) = parsed.command.shareable() else {
             return Err(Usage(format!(
-                "{verb} has no shards; write -- {}",
+                "{verb} has no shards; write -- {} …",
                 verbs_with_shards().join(" …, -- ")
             )));
         };
