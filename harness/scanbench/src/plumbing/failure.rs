@@ -61,11 +61,9 @@ pub enum Failure {
     Interrupted(Reason),
 }
 
-/// There was nothing to evaluate.
 #[derive(Debug, thiserror::Error)]
 #[error("nothing was evaluated: {reason}")]
 pub struct NothingEvaluated {
-    /// Why.
     pub reason: String,
 }
 
@@ -134,7 +132,6 @@ impl Failure {
         Self::Unwritten(Because { what: what.to_owned(), source: reason.into() }.into())
     }
 
-    /// The reason that is reported.
     pub fn reason(&self) -> &(dyn Error + 'static) {
         match self {
             Self::Internal(reason)

@@ -37,16 +37,13 @@ impl FirstLook {
 /// Facts about the sensor that the user, the catalogue or a data sheet states.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct Stated {
-    /// Which sensor it is.
     pub sensor: bool,
-    /// How high it is.
     pub height: bool,
     /// The transform from the frame of the files to the sensor.
     pub transform: bool,
 }
 
 impl Stated {
-    /// All are stated.
     pub const ALL: Self = Self { sensor: true, height: true, transform: true };
 
     /// Facts that the options of the command line state.

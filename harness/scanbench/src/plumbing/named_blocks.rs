@@ -14,7 +14,6 @@ use crate::plumbing::counted_dataset::CountedDataset;
 use crate::plumbing::failure::{Failure, Usage};
 use crate::plumbing::open_datasets::OpenedDataset;
 
-/// A line of the file.
 #[derive(Debug, Clone, Serialize, Deserialize)]
 struct BlockRow {
     scan: String,

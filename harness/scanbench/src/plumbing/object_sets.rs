@@ -13,7 +13,6 @@ use crate::plumbing::failure::{Failure, Usage};
 use crate::plumbing::open_datasets::{open_catalogue, open_options};
 use crate::plumbing::remote::local_name;
 
-/// How objects are opened.
 pub struct ObjectOpening {
     catalogue: Catalogue,
     options: OpenOptions,
@@ -28,7 +27,6 @@ impl ObjectOpening {
         Ok(Self { catalogue, options, cache: source.cache.clone() })
     }
 
-    /// The objects called `name`.
     pub fn open(&self, name: &str, objects: &ObjectOptions) -> Result<Box<dyn ObjectCloudSet>, Failure> {
         let name = local_name(name, self.cache.as_deref())?;
         Ok(open_objects(&name, objects, &self.options, &self.catalogue)?)

@@ -39,7 +39,6 @@ impl OfficialEvaluation {
         })
     }
 
-    /// Begins a data set.
     pub fn begin_dataset(&mut self, watched: &WatchedDataset<'_>) -> Result<(), Failure> {
         self.without_ground.clear();
         self.names.clear();
@@ -49,7 +48,6 @@ impl OfficialEvaluation {
         Ok(self.chosen.check(watched.dataset)?)
     }
 
-    /// The rows of a scan.
     pub fn rows(&mut self, judged: &JudgedScan<'_>) -> Result<OfficialRows, Failure> {
         let results = judged.results;
         let scan = self.chosen.scan(judged.watched.dataset, judged.scan_idx(), results.scan)?;

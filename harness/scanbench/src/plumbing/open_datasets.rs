@@ -33,7 +33,6 @@ use crate::plumbing::standard_streams::{print_detail, print_diagnostic};
 
 /// A data set and the scans that are asked for.
 pub struct OpenedDataset {
-    /// The data set.
     pub dataset: Box<dyn Dataset>,
     /// Which of its scans, as indices into [`Dataset::scan_ids`].
     pub scan_indices: Vec<usize>,
@@ -54,7 +53,6 @@ pub struct OpenedDataset {
 }
 
 impl OpenedDataset {
-    /// Whether it is simulated and not recorded.
     pub fn is_simulated(&self) -> bool {
         self.dataset.description().is_simulated()
     }

@@ -9,7 +9,6 @@ use reports::run_folder::shard_record::ShardRecord;
 use crate::plumbing::failure::{Failure, Usage};
 use crate::plumbing::shards::work_output::finished_shard;
 
-/// The run in `directory`.
 pub fn open_run(directory: &Path) -> Result<RunArchive, Failure> {
     refuse_other_than_run(directory)?;
     RunArchive::read(directory).map_err(|error| Failure::damaged_run(directory, error))

@@ -76,7 +76,6 @@ impl RunProgress {
         self.0.set_message(shown(dataset).into_owned());
     }
 
-    /// One more scan is done.
     pub fn advance(&self) {
         self.0.inc(1);
     }

@@ -42,7 +42,6 @@ pub fn rustc_version() -> String {
     env!("SCANBENCH_RUSTC_VERSION").to_owned()
 }
 
-/// The machine the program runs on.
 pub fn machine() -> Machine {
     let n_cores = std::thread::available_parallelism().map_or(1, |n| n.get() as u32);
     Machine {
@@ -64,7 +63,6 @@ pub fn rfc3339_utc(time: Timestamp) -> String {
     time.strftime("%Y-%m-%dT%H:%M:%SZ").to_string()
 }
 
-/// The day, in UTC.
 pub fn utc_day(time: Timestamp) -> String {
     time.strftime("%Y-%m-%d").to_string()
 }

@@ -9,12 +9,10 @@ use reports::files::whole_file::WholeFile;
 use crate::plumbing::failure::{Failure, Usage};
 use crate::plumbing::standard_streams::print_bytes;
 
-/// Where a result goes.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum Destination {
     /// Stdout; `-` on the command line.
     Stdout,
-    /// A file.
     File(PathBuf),
 }
 

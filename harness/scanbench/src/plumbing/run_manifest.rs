@@ -26,7 +26,6 @@ use crate::plumbing::open_datasets::OpenedDataset;
 use crate::plumbing::provenance::{command_line, git_state, machine, rfc3339_utc, rustc_version};
 use crate::plumbing::recorder::rerun_version;
 
-/// Settings of a run.
 pub struct RunSettings<'a> {
     /// Which scans of the data sets were chosen, as the command line writes it; `None` for all.
     pub selection: Option<&'a str>,
@@ -34,15 +33,12 @@ pub struct RunSettings<'a> {
     pub n_warmup: u16,
     /// How often each detector looked at each scan.
     pub n_repeats: NonZeroUsize,
-    /// The parameters.
     pub config: &'a RunConfig,
     /// Entries of the detectors, in the order of the tables.
     pub detectors: Vec<DetectorEntry>,
-    /// The data sets.
     pub datasets: &'a [OpenedDataset],
     /// The protocols of others.
     pub protocols: &'a [Protocol],
-    /// When it began.
     pub started: Timestamp,
 }
 
@@ -84,7 +80,6 @@ pub fn detector_entries(detectors: &[ChosenDetector], config: &RunConfig) -> Vec
     detectors.iter().map(|it| detector_entry(&ComparedDetector::of(it.clone(), config))).collect()
 }
 
-/// Entry of a detector in a manifest.
 pub fn detector_entry(compared_detector: &ComparedDetector) -> DetectorEntry {
     let ComparedDetector { name, chosen, config } = compared_detector;
     let listed = match chosen {

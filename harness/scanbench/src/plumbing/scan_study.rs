@@ -31,9 +31,7 @@ use crate::plumbing::watched_run::WatchedRun;
 pub struct ScanStudy<'a> {
     /// Parameters of detectors and matching.
     pub config: RunConfig,
-    /// The detectors.
     pub compared_detectors: Vec<ComparedDetector>,
-    /// The data sets.
     pub datasets: Vec<OpenedDataset>,
     /// Which scans of the data sets were chosen, as the command line writes it; `None` for all.
     pub selection: Option<&'a str>,
@@ -41,7 +39,6 @@ pub struct ScanStudy<'a> {
     pub n_warmup: u16,
     /// Scans that are read at once.
     pub n_jobs: usize,
-    /// When it was begun.
     pub started: Timestamp,
     /// Scenes that were put up for it, if any.
     pub staged: Option<StagedScenes>,
@@ -54,7 +51,6 @@ pub struct ScanStudy<'a> {
 /// Writes the files that only a study has into the directory of a run, and returns the text to print.
 pub type WriteStudy = fn(&RunDirectory, &WholeRun) -> Result<Printed, Failure>;
 
-/// Text of a study that is printed.
 pub struct Printed {
     /// Kind of its files, such as `Tables`.
     pub files: &'static str,
@@ -82,7 +78,6 @@ pub struct StagedScenes {
     pub drawn: &'static str,
     /// Seed that they are drawn from.
     pub seed: u64,
-    /// The scenes.
     pub scenes: Value,
 }
 
@@ -110,7 +105,6 @@ impl ScanStudy<'_> {
         })
     }
 
-    /// The detector called `name`.
     pub fn compared_detector(&self, name: &str) -> Option<&ComparedDetector> {
         self.compared_detectors.iter().find(|it| it.name == name)
     }

@@ -22,9 +22,7 @@ pub struct WatchedRun<'a> {
     pub compared_detectors: &'a [ComparedDetector],
     /// Results of detectors that do not run here.
     pub results: Option<&'a OpenedResults>,
-    /// The data sets.
     pub datasets: &'a [OpenedDataset],
-    /// Policy for damaged scans.
     pub damage: DamagePolicy,
     /// Detections of the first scan of a data set that are thrown away.
     pub n_warmup: u16,
@@ -32,9 +30,7 @@ pub struct WatchedRun<'a> {
     pub n_repeats: NonZeroUsize,
     /// Scans that are read at once.
     pub n_jobs: usize,
-    /// Rule for a detector that fails.
     pub on_failure: OnDetectorFailure,
-    /// How far it is.
     pub progress: &'a RunProgress,
 }
 
@@ -131,10 +127,7 @@ pub enum Labels {
     /// No scan is labelled.
     None,
     /// Scans are labelled, and nothing stands there.
-    OfNothing {
-        /// Number of these scans.
-        n_labeled_scans: u64,
-    },
+    OfNothing { n_labeled_scans: u64 },
     /// Objects are labelled, of which none counts.
     OfObjects,
 }

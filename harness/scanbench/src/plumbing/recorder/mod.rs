@@ -37,20 +37,16 @@ pub enum Appearance {
     Whole,
 }
 
-/// Plan of a recording.
 #[allow(dead_code, reason = "read by the viewer, where there is one")]
 pub struct RecordingPlan<'a> {
-    /// The arguments about recordings.
     pub arguments: &'a StreamArgs,
     /// Where it is written unless the arguments say otherwise.
     pub default_file: PathBuf,
-    /// When the file appears.
     pub appears: Appearance,
     /// Its name in the viewer.
     pub name: &'a str,
     /// The task that it shows at first.
     pub shown_task: Task,
-    /// The detectors.
     pub detectors: &'a [&'a str],
     /// How many scans there are, recorded or not.
     pub n_scans: usize,

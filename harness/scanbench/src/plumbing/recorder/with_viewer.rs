@@ -24,7 +24,6 @@ use crate::plumbing::standard_streams::print_diagnostic;
 #[must_use = "a recording that is not finished may be incomplete without anyone knowing"]
 pub struct Recorder(RunRecording);
 
-/// Whether a recording is asked for.
 #[allow(clippy::unnecessary_wraps, reason = "without the viewer there is an error")]
 pub fn is_wanted(arguments: &StreamArgs) -> Result<bool, Failure> {
     Ok(!arguments.no_rrd)
@@ -106,7 +105,6 @@ pub fn record_sweep(
     Ok(sweep_recording::record_sweep(directory, plan, swept, scores)?)
 }
 
-/// Whether objects that grow are recorded.
 pub fn records_growths(arguments: &PartialArgs) -> bool {
     !arguments.no_rrd
 }

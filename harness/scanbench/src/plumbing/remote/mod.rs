@@ -25,7 +25,6 @@ pub use without_remote::get;
 /// Part of a public data set that is fetched, and where to.
 #[allow(dead_code, reason = "read where there is something to fetch with")]
 pub struct GetPlan<'a> {
-    /// Its id.
     pub id: &'a str,
     /// The download of the catalogue; `None` if only the file of a link is fetched.
     pub download: Option<&'a Download>,

@@ -37,7 +37,6 @@ pub trait WholeResult: Sized {
 pub trait SharedWork {
     /// A line of the journal.
     type Event: DeserializeOwned;
-    /// The result.
     type Whole: WholeResult;
 
     /// Cuts the work to the part of `shard`.
@@ -107,9 +106,7 @@ pub trait SharedWork {
 pub struct Finished<Whole> {
     // Invariant: before the directory, which removes the folders that were made for both.
     kept: KeptFiles,
-    /// Its directory.
     pub directory: RunDirectory,
-    /// The result.
     pub whole: Whole,
 }
 

@@ -13,7 +13,6 @@ use reports::run_folder::shard_record::ShardRecording;
 use reports::worst::points::Patch;
 use serde::{Deserialize, Serialize};
 
-/// Something that happened in a run.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum RunEvent {
@@ -44,7 +43,6 @@ pub enum RunEvent {
     Recorded(ShardRecording),
 }
 
-/// A scan that was judged.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct ScanEvent {
     /// Index of its data set in the run.
@@ -100,7 +98,6 @@ impl EventProgress {
         }
     }
 
-    /// Adds `event`.
     pub fn add(&mut self, event: &RunEvent) {
         match event {
             RunEvent::Began { .. } => self.n_starts += 1,

@@ -26,7 +26,6 @@ pub struct EventsMade {
 }
 
 impl EventsMade {
-    /// Adds `event`.
     pub fn add(&mut self, event: &RunEvent) -> Result<(), Failure> {
         self.summary.add(event);
         Ok(self.rows.as_mut().map_or(Ok(()), |it| it.add(event, 0))?)
@@ -39,7 +38,6 @@ impl<'a> RunLog<'a> {
         Self { journal, made: made.into() }
     }
 
-    /// Adds `event`.
     pub fn add(&self, event: &RunEvent) -> Result<(), Failure> {
         if let Some(journal) = self.journal {
             journal.add(event)?;

@@ -29,9 +29,7 @@ use super::run_event::{RunEvent, ScanEvent};
 
 /// Rows of a run: in files, and in sums.
 pub struct RunRows {
-    /// The files.
     pub files: RowFiles,
-    /// The sums.
     pub sums: RowSums,
     // Index of the present processor in `of_processors`, if that has it.
     processor_idx: Option<usize>,
@@ -49,7 +47,6 @@ pub struct RowFiles {
     labels: Option<CsvRowWriter<LabelScoreRow>>,
 }
 
-/// Sums of rows.
 pub struct RowSums {
     /// Sums and worst mistakes.
     pub gathered: GatheredRun,
@@ -128,7 +125,6 @@ impl RowFiles {
         write_all(&mut self.labels, &scan.official.labels)
     }
 
-    /// Completes the files.
     pub fn finish(self) -> Result<(), ArchiveError> {
         self.scans.finish()?;
         self.matches.finish()?;

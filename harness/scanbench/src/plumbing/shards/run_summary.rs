@@ -25,7 +25,6 @@ struct DatasetSummary {
 }
 
 impl RunSummary {
-    /// Adds `event`.
     pub fn add(&mut self, event: &RunEvent) {
         match event {
             RunEvent::Began { cpu_model } => {

@@ -39,7 +39,6 @@ fn checksum_of(path: &Path) -> Result<ShardFile, ArchiveError> {
 
 /// Events of a shard, or of work in one piece, which is the only shard.
 pub struct ShardLog<'a> {
-    /// The folder of the shard.
     pub folder: PathBuf,
     /// The record of the shard in its manifest.
     pub record: &'a ShardRecord,

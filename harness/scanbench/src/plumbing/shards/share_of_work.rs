@@ -10,7 +10,6 @@ use scans::dataset::scan_times::{ScanTime, scan_times};
 
 use crate::plumbing::open_datasets::OpenedDataset;
 
-/// Work of a shard.
 pub struct ShareOfWork {
     /// Measure by which the work was cut.
     pub cut_by: WorkMeasure,

@@ -248,7 +248,6 @@ fn names_of_results(folder: &Path) -> Vec<OsString> {
 
 /// Files that work has left beside its result.
 pub struct KeptFiles {
-    /// The folder.
     pub folder: PathBuf,
     /// Events of the work that was done.
     pub journal: Journal,

@@ -38,13 +38,11 @@ use crate::plumbing::watched_run::WatchedRun;
 
 /// A study that goes over data sets scan by scan, and is made of the rows of a run.
 pub trait WatchedStudy {
-    /// The data sets.
     fn datasets(&self) -> &[OpenedDataset];
 
     /// The data sets, to be cut.
     fn datasets_mut(&mut self) -> &mut [OpenedDataset];
 
-    /// Its manifest.
     fn manifest(&self) -> Manifest;
 
     /// Facts that decide the rows and that the manifest lacks; null for all but `scanbench run`.

@@ -30,7 +30,6 @@ use crate::plumbing::watched_run::{Labels, report_nothing_to_find};
 
 /// A run in which all scans are judged, and which is written.
 pub struct WholeRun {
-    /// Facts about it.
     pub facts: RunFacts,
     /// Tables that are printed beside those of tasks.
     pub more: Vec<String>,

@@ -23,7 +23,6 @@ pub struct WorkOutput {
     pub shard: Option<Shard>,
     /// Whether earlier work there is thrown away.
     pub overwrites: bool,
-    /// When it was begun.
     pub started: Timestamp,
     /// Whether finished work is kept until there is a result: if the directory is named, and for sweeps, which take long.
     pub is_kept: bool,

@@ -13,7 +13,6 @@ use crate::plumbing::standard_streams::{Verbosity, is_said, print_detail};
 pub struct Terminal(RunProgress);
 
 impl Terminal {
-    /// Moves `progress`.
     pub fn new(progress: &RunProgress) -> Self {
         Self(progress.clone())
     }
