@@ -21,7 +21,7 @@ pub(crate) struct Gathered {
     has_enough_drives: bool,
     pub(super) slices: BTreeMap<Slice, BlockSums>,
     /// The detections that count; `None` if the task does not rank them, or once one of them came without a score.
-    pub(crate) ranked: Option<Vec<RankedDetection>>,
+    ranked: Option<Vec<RankedDetection>>,
 }
 
 impl Gathered {
@@ -34,6 +34,13 @@ impl Gathered {
             slices: BTreeMap::new(),
             ranked: task.ranks_detections().then(Vec::new),
         }
+    }
+
+    /// The detections that count; `None` if they are not ranked, or if rows of matches are not kept.
+    pub(crate) fn all_ranked(&self) -> Option<&[RankedDetection]> {
+        let n_detections = self.counts.and_then(Counts::nd);
+        let is_whole = |it: &&[RankedDetection]| n_detections.is_none_or(|n| n == it.len() as u64);
+        self.ranked.as_deref().filter(is_whole)
     }
 
     /// Keeps sums of whole drives only, since these will be drawn.

@@ -1,6 +1,5 @@
 //! Sums over objects. Every ratio of a report is made of them, for any choice of scans.
 
-use crate::rows::counts::Counts;
 use crate::rows::scan_row::ScanNumbers;
 use crate::vocabulary::formula::{Formula, Term};
 use crate::vocabulary::metric::Metric;
@@ -22,20 +21,14 @@ pub enum FalseObjects {
 }
 
 impl Sums {
-    /// Annotations, matched and false detections of `counts`; no false detections if they are unknown.
-    pub fn of_counts(counts: Counts) -> Self {
-        let mut sums = Self::default();
-        sums.add(Term::Annotations, counts.no() as f64);
-        sums.add(Term::Matched, counts.tp() as f64);
-        sums.add(Term::False, counts.fo().unwrap_or(0) as f64);
-        sums
-    }
-
-    /// The sums over the objects of a scan, without its times.
+    /// The sums over the objects of a scan, without its times; no false detections if they are unknown.
     pub(super) fn of_scan(numbers: &ScanNumbers) -> Self {
-        let mut sums = Self::of_counts(numbers.counts);
-        let segmentation = &numbers.segmentation;
+        let mut sums = Self::default();
+        let ScanNumbers { counts, segmentation, .. } = numbers;
         for (term, value) in [
+            (Term::Annotations, counts.no() as f64),
+            (Term::Matched, counts.tp() as f64),
+            (Term::False, counts.fo().unwrap_or(0) as f64),
             (Term::IgnoredAnnotations, numbers.n_ignored_annotations as f64),
             (Term::IgnoredDetections, numbers.n_ignored_detections as f64),
             (Term::Unknowable, numbers.n_unknowable_detections as f64),
@@ -116,6 +109,7 @@ impl FalseObjects {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::rows::counts::Counts;
 
     fn four_annotations() -> Sums {
         let mut sums = Sums::default();
@@ -156,10 +150,11 @@ mod tests {
     #[test]
     fn sums_of_counts_have_their_rates() {
         let counts = Counts::new(4, 3, Some(2)).unwrap();
-        let sums = Sums::of_counts(counts);
+        let sums = Sums::of_scan(&ScanNumbers::of_counts(counts));
         assert_eq!(sums.value(Metric::FRate.formula(), FalseObjects::Known), counts.f_rate());
         assert_eq!(sums.value(Metric::Recall.formula(), FalseObjects::Known), counts.recall());
-        assert_eq!(Sums::of_counts(Counts::new(4, 3, None).unwrap()).of(Term::False), 0.0);
+        let unknown = ScanNumbers::of_counts(Counts::new(4, 3, None).unwrap());
+        assert_eq!(Sums::of_scan(&unknown).of(Term::False), 0.0);
     }
 
     #[test]

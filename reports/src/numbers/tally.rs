@@ -10,7 +10,6 @@ use crate::numbers::times::{TimeKind, Times};
 use crate::rows::counts::Counts;
 use crate::rows::match_outcome::MatchOutcome;
 use crate::rows::match_row::MatchRow;
-use crate::rows::scan_name::ScanName;
 use crate::rows::scan_row::{ScanOutcome, ScanRow};
 use crate::rows::stage_row::StageRow;
 use crate::vocabulary::extent::OVERALL;
@@ -131,21 +130,6 @@ impl Tally {
         times.add_failures(key.task, key.detector, numbers.failure.is_some());
     }
 
-    /// Adds the counts of the detector with this index among [`Self::detectors`] on `scan`, which is drawn with `block`, in
-    /// one task. For scans of which nothing else is known.
-    pub fn add_counts(
-        &mut self,
-        scan: &ScanName,
-        block: &DriveSecond,
-        task: Task,
-        detector: usize,
-        counts: Counts,
-    ) {
-        let key = Key { detector, ..self.key_of_task(&scan.dataset, task) };
-        self.add_block(key.dataset, &scan.sequence, scan.scan, block);
-        self.count(key, counts, block).add_times(&Sums::of_counts(counts), 1.0);
-    }
-
     /// Adds the time of a stage of a detector on a scan, unless processors are unlike.
     pub fn add_stage(&mut self, row: &StageRow) {
         if self.processors == Processors::Unlike {
@@ -194,7 +178,7 @@ impl Tally {
     }
 
     /// The second, named block or single scan that the scan of a row is drawn with.
-    fn block_of(&self, row: &ScanRow) -> DriveSecond {
+    pub fn block_of(&self, row: &ScanRow) -> DriveSecond {
         let named = self.blocks.get(&row.dataset);
         let named = named.and_then(|it| it.get(&format!("{}/{:06}", row.sequence, row.scan)));
         DriveSecond::of_scan(&row.sequence, row.scan, named.map(String::as_str), row.time_s)
@@ -236,16 +220,11 @@ impl Tally {
     }
 
     fn key(&mut self, dataset: &str, task: Task, detector: &str) -> Key {
-        let detector = index_of(&mut self.detectors, detector);
-        Key { detector, ..self.key_of_task(dataset, task) }
-    }
-
-    /// The key with the first detector.
-    fn key_of_task(&mut self, dataset: &str, task: Task) -> Key {
         if !self.tasks.contains(&task) {
             self.tasks.push(task);
         }
-        Key { dataset: self.dataset_idx(dataset), task, detector: 0 }
+        let detector = index_of(&mut self.detectors, detector);
+        Key { dataset: self.dataset_idx(dataset), task, detector }
     }
 
     fn dataset_idx(&mut self, dataset: &str) -> usize {

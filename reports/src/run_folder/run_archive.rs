@@ -29,7 +29,7 @@ pub struct RunArchive {
     pub report: RunReport,
     /// One row for every scan, detector and task.
     pub scans: Vec<ScanRow>,
-    /// One row for every pair, and for every annotation and detection that is in none.
+    /// One row for every pair, and for every annotation and detection that is in none. A sweep keeps none.
     pub matches: Vec<MatchRow>,
     /// The predicted classes of partly seen objects, of a result of `partial`: it has nothing else but its manifest.
     pub objects: Vec<PartialRow>,
@@ -77,11 +77,12 @@ impl RunArchive {
         if manifest.partial.is_some() {
             return Ok(Self::of_partial(manifest, read_rows(&directory.join(PARTIAL_CSV))?));
         }
+        let has_matches = manifest.sweep.is_none();
         Ok(Self {
             manifest,
             report: RunReport::read(&directory.join(REPORT_JSON))?,
             scans: read_rows(&directory.join(SCANS_CSV))?,
-            matches: read_rows(&directory.join(MATCHES_CSV))?,
+            matches: if has_matches { read_rows(&directory.join(MATCHES_CSV))? } else { Vec::new() },
             objects: Vec::new(),
             protocols: Self::protocol_tally(directory)?,
             claims: claims(&directory.join(REPRODUCTION_JSON))?,

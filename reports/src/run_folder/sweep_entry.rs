@@ -32,9 +32,44 @@ pub struct SweptParameter {
     pub values: Vec<String>,
 }
 
+/// Name of a detector with these `values` of `parameters`, such as `hierarchical@cell_size_m=0.6+xi=3`: with the last part of
+/// the name of a parameter where no other ends alike.
+pub fn entrant_name(detector: &str, parameters: &[String], values: &[String]) -> String {
+    let end = |name: &'_ str| name.rsplit('.').next().unwrap_or(name).to_owned();
+    let short = |name: &String| {
+        let is_alone = parameters.iter().filter(|it| end(it) == end(name)).count() == 1;
+        if is_alone { end(name) } else { name.clone() }
+    };
+    let set: Vec<String> =
+        parameters.iter().zip(values).map(|(name, value)| format!("{}={value}", short(name))).collect();
+    format!("{detector}@{}", set.join("+"))
+}
+
 impl SweepEntry {
+    /// Name of `detector` at a point in the rows of the sweep.
+    pub fn entrant(&self, detector: &str, point_idx: usize) -> String {
+        entrant_name(detector, &self.parameters(), &self.points[point_idx])
+    }
+
     /// Full names of the parameters that differ from point to point, in the order of the values of [`Self::points`].
     pub fn parameters(&self) -> Vec<String> {
         self.swept.iter().map(|it| it.name.clone()).chain(self.tied.iter().cloned()).collect()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn an_entrant_is_named_as_shortly_as_it_can_be() {
+        let texts = |names: &[&str]| names.iter().map(|it| (*it).to_owned()).collect::<Vec<_>>();
+        let name =
+            |parameters: &[&str], values: &[&str]| entrant_name("pca", &texts(parameters), &texts(values));
+        assert_eq!(name(&["pca.grid.cell_size_m", "xi"], &["0.6", "3"]), "pca@cell_size_m=0.6+xi=3");
+        assert_eq!(
+            name(&["a.cell_size_m", "b.cell_size_m"], &["0.6", "0.8"]),
+            "pca@a.cell_size_m=0.6+b.cell_size_m=0.8"
+        );
     }
 }

@@ -66,7 +66,7 @@ impl Tally {
                 for detector in self.detectors() {
                     let Some(gathered) = self.gathered(dataset_idx, task, detector) else { continue };
                     let is_known = gathered.false_objects == FalseObjects::Known;
-                    let Some(ranked) = gathered.ranked.as_ref().filter(|_| is_known) else { continue };
+                    let Some(ranked) = gathered.all_ranked().filter(|_| is_known) else { continue };
                     let no = gathered.total(Term::Annotations) as u64;
                     let points = operating_points(ranked);
                     rows.extend(
@@ -79,13 +79,13 @@ impl Tally {
     }
 
     /// The detections that count, with their scores; empty if nothing was found. `None` if one of them has no score, the
-    /// task does not rank them, or no data set of the question has an evaluated scan.
+    /// task does not rank them, rows of matches are not kept, or no data set of the question has an evaluated scan.
     pub fn ranked(&self, question: &Question<'_>) -> Option<Vec<RankedDetection>> {
         let mut all = None;
         for dataset_idx in self.datasets_in(question.dataset) {
             // As for every other number, a data set without evaluated scans is left out.
             if let Some(gathered) = self.gathered(dataset_idx, question.task, question.detector) {
-                all.get_or_insert_with(Vec::new).extend(gathered.ranked.as_ref()?);
+                all.get_or_insert_with(Vec::new).extend(gathered.all_ranked()?);
             }
         }
         all

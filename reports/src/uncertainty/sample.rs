@@ -168,7 +168,7 @@ impl Sample {
 mod tests {
     use super::*;
     use crate::rows::counts::Counts;
-    use crate::rows::scan_name::ScanName;
+    use crate::rows::scan_row::{ScanNumbers, ScanOutcome, ScanRow};
     use crate::uncertainty::bootstrap::N_RESAMPLES;
 
     #[test]
@@ -176,11 +176,18 @@ mod tests {
         let mut tally = Tally::default().with_detectors(["other", "mine"].map(str::to_owned).to_vec());
         let seconds: Vec<DriveSecond> = (0..12).map(|it| DriveSecond::of("0000", f64::from(it))).collect();
         let terms = || seconds.iter().zip(0..).map(|(second, scan)| (second, [f64::from(scan % 5), 4.0]));
-        for ((second, [found, _]), scan) in terms().zip(0..) {
+        for ((_, [found, _]), scan) in terms().zip(0..) {
             let [dataset, sequence] = ["street", "0000"].map(str::to_owned);
             let counts = Counts::new(4, found as u64, None).unwrap();
-            let name = ScanName { dataset, sequence, scan };
-            tally.add_counts(&name, second, Task::Objects, 1, counts);
+            tally.add_scan(&ScanRow {
+                dataset,
+                sequence,
+                scan,
+                time_s: Some(f64::from(scan)),
+                detector: "mine".to_owned(),
+                task: Task::Objects,
+                outcome: ScanOutcome::Evaluated(ScanNumbers::of_counts(counts)),
+            });
         }
         let draws = tally.draw();
         let question =

@@ -2,7 +2,6 @@
 
 use reports::vocabulary::task::Task;
 use scans::dataset::AnnotatedClasses;
-use serde::{Deserialize, Serialize};
 
 use crate::matching::outcome::{AnnotationOutcome, Assignment, DetectionOutcome};
 
@@ -12,8 +11,7 @@ pub const SCORING_VERSION: u32 = 2;
 /// Counts of one task over any number of scans. Sums first, ratios last: a ratio of sums, never a mean of ratios.
 ///
 /// Paper: HG section 5 (NO, MO, FO).
-#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub struct Counts {
     /// Annotations that count (NO).
     pub n_annotations: u64,

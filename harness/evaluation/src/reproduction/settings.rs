@@ -8,12 +8,12 @@ use rand::seq::SliceRandom as _;
 use rand::{RngExt as _, SeedableRng as _};
 use rand_chacha::ChaCha8Rng;
 use reports::rows::counts::Counts;
+use reports::rows::scan_row::ScanRow;
 use reports::run_folder::sweep_entry::SweptParameter;
 use reports::vocabulary::task::Task;
 use scans::dataset::Dataset;
 
 use super::open_values::OpenValue;
-use crate::metrics::counts::{self, FalseDetections};
 use crate::run::config::{ConfigError, RunConfig};
 use crate::run::detector_list::ChosenDetector;
 use crate::scan_pass::ScanPassError;
@@ -99,13 +99,13 @@ pub fn count(
     let (n_scans, n_points) = (scan_indices.len(), plan.points.len());
     let datasets = &[SweptDataset { dataset, scan_indices, part: 0..n_scans }];
     let pass = SweepPass { plan, datasets, protocols: None, interrupted };
-    let none = [counts::Counts::default(); Task::ALL.len()];
-    let sums = Mutex::new(vec![vec![none; plan.detectors.len()]; n_points]);
+    let none = Counts::new(0, 0, Some(0)).expect("nothing is found of nothing");
+    let sums = Mutex::new(vec![vec![[none; Task::ALL.len()]; plan.detectors.len()]; n_points]);
     let counted = pass.count(&BTreeSet::new(), rayon::current_num_threads(), &|scan| {
         let mut sums = sums.lock().unwrap_or_else(PoisonError::into_inner);
         let of_point = sums[scan.point_idx].iter_mut().flatten();
-        for (sum, counts) in of_point.zip(scan.detectors.iter().flat_map(|it| &it.counts)) {
-            *sum += *counts;
+        for (sum, numbers) in of_point.zip(scan.scans.iter().filter_map(ScanRow::numbers)) {
+            *sum += numbers.counts;
         }
         if scan.point_idx + 1 == n_points {
             on_scan();
@@ -118,12 +118,7 @@ pub fn count(
         }
         error => error,
     })?;
-    let scored = |task_idx: usize, counts: counts::Counts| {
-        counts.scored(FalseDetections::of(&dataset.description().annotated, Task::ALL[task_idx]))
-    };
-    let of_detector = |it: [counts::Counts; Task::ALL.len()]| std::array::from_fn(|idx| scored(idx, it[idx]));
-    let sums = sums.into_inner().unwrap_or_else(PoisonError::into_inner).into_iter();
-    Ok(sums.map(|of_point| of_point.into_iter().map(of_detector).collect()).collect())
+    Ok(sums.into_inner().unwrap_or_else(PoisonError::into_inner))
 }
 
 #[cfg(test)]

@@ -90,7 +90,8 @@ fn ms(time: Duration) -> f64 {
     time.as_secs_f64() * 1e3
 }
 
-fn scan_row(
+/// Row of `result` on a scan in the task of `assignment`.
+pub(crate) fn scan_row(
     dataset: &DatasetDescription,
     RowsOf { scan, checksum, time_s }: RowsOf<'_>,
     result: &DetectorScan,

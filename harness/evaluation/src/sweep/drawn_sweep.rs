@@ -5,6 +5,7 @@ use rayon::prelude::*;
 use reports::numbers::blocks::{BlockCount, DriveSecond};
 use reports::numbers::latencies::Latencies;
 use reports::numbers::pools::Pool;
+use reports::numbers::run_report::{RunReport, RunReportError};
 use reports::numbers::sweep_score::{
     CellScore, FitnessValue, SweepScore, SweepScores, SweepSubject, SweepTime,
 };
@@ -19,6 +20,7 @@ use reports::vocabulary::origin::Origin;
 use reports::vocabulary::slice::Slice;
 use reports::vocabulary::task::Task;
 
+use crate::metrics::counts::SCORING_VERSION;
 use crate::sweep::scan_at_point::TimedScan;
 use crate::sweep::sweep_tally::{AtPoint, CellSums, SweepTally};
 
@@ -164,6 +166,15 @@ impl DrawnSweep<'_> {
             scores: scores.collect(),
             times,
         }
+    }
+
+    /// Numbers of every detector at every point, as a run has them.
+    ///
+    /// # Errors
+    ///
+    /// [`RunReportError`] if a number is there twice.
+    pub fn report(&self) -> Result<RunReport, RunReportError> {
+        self.tally.counts.report(SCORING_VERSION, &self.draws)
     }
 
     /// The 95 % interval of a difference of rates: that of the first of two scores of one detector, task and extent minus

@@ -7,19 +7,22 @@ use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use detector::DetectorOutput;
 use rayon::prelude::*;
 use reports::rows::official_rows::OfficialRows;
+use reports::rows::scan_row::ScanRow;
 use reports::vocabulary::task::Task;
+use scans::dataset::checksum::checksum_as_read;
 use scans::dataset::scan_times::{ScanTime, scan_times};
 use scans::dataset::{Dataset, DatasetError};
 
 use crate::journal::JournalError;
 use crate::matching::assign::assign;
-use crate::metrics::counts::Counts;
 use crate::process::problem::DetectorFailure;
 use crate::protocols::chosen_protocols::{ChosenProtocols, ProtocolError};
+use crate::run::rows::{RowsOf, scan_row};
+use crate::run::side_by_side::{DetectionTimes, DetectorScan};
 use crate::scan_pass::ScanPassError;
 use crate::sweep::cells_of_scan::CellsOfScan;
 use crate::sweep::programs::Programs;
-use crate::sweep::scan_at_point::{DetectorAtPoint, ScanAtPoint};
+use crate::sweep::scan_at_point::ScanAtPoint;
 use crate::sweep::sweep_plan::SweepPlan;
 
 /// A data set and the scans that are taken from it.
@@ -161,36 +164,35 @@ impl SweepPass<'_> {
         let scan = dataset.read_scan(scan_indices[scan_idx])?;
         let under_protocols =
             self.protocols.map(|it| it.scan(dataset, scan_indices[scan_idx], &scan)).transpose()?;
-        let (mut output, mut cells) = (DetectorOutput::default(), CellsOfScan::default());
+        let of_scan = RowsOf { scan: &scan, checksum: checksum_as_read(&scan), time_s: time.known_s };
+        let mut cells_of_scan = CellsOfScan::default();
         for &point_idx in point_idxs {
             let config = self.plan.points[point_idx].config.for_scans_of(description);
-            let mut official = OfficialRows::default();
-            let detectors =
-                programs.at_point(self.plan, point_idx, description, |compared_detector, detector| {
-                    detector.detect(&scan, time.time_s, &mut output)?;
-                    if let Some(it) = &under_protocols {
-                        official.append(it.rows(compared_detector.name, detector, &output));
-                    }
-                    let count = |&task| {
-                        let annotated = &description.annotated;
-                        Counts::of(&assign(&scan, &output.detections, task, annotated, &config.matching))
-                    };
-                    let counts = Task::ALL.iter().map(count).collect();
-                    Ok(DetectorAtPoint {
-                        counts,
-                        cells: cells.tally(&scan, &compared_detector.chosen, &config),
-                    })
-                })?;
-            on_result(ScanAtPoint {
-                dataset_idx,
-                scan_idx,
-                scan: scan.id.index,
-                sequence: scan.id.sequence.clone(),
-                second: time.second.clone(),
-                point_idx,
-                detectors,
-                official,
+            let (mut official, mut scans, mut cells) = (OfficialRows::default(), Vec::new(), Vec::new());
+            programs.at_point(self.plan, point_idx, description, |compared_detector, detector| {
+                let mut result = DetectorScan {
+                    detector: compared_detector.name,
+                    output: DetectorOutput::default(),
+                    times: DetectionTimes::default(),
+                    failure: None,
+                    assignments: Vec::new(),
+                };
+                detector.detect(&scan, time.time_s, &mut result.output)?;
+                if let Some(it) = &under_protocols {
+                    official.append(it.rows(compared_detector.name, detector, &result.output));
+                }
+                let entrant = self.plan.entrant(compared_detector.name, point_idx);
+                for task in Task::ALL {
+                    let detections = &result.output.detections;
+                    let assignment =
+                        assign(&scan, detections, task, &description.annotated, &config.matching);
+                    let row = scan_row(description, of_scan, &result, &assignment);
+                    scans.push(ScanRow { detector: entrant.clone(), ..row.as_written() });
+                }
+                cells.push(cells_of_scan.tally(&scan, &compared_detector.chosen, &config));
+                Ok(())
             })?;
+            on_result(ScanAtPoint { dataset_idx, scan_idx, point_idx, scans, cells, official })?;
         }
         Ok(())
     }

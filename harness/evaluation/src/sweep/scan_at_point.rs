@@ -1,11 +1,10 @@
 //! Results that a sweep keeps of its scans: counts and times.
 
 use detector::grid::cell_fitness::CellTally;
-use reports::numbers::blocks::DriveSecond;
+use reports::files::csv_rows::csv_text;
 use reports::rows::official_rows::OfficialRows;
+use reports::rows::scan_row::ScanRow;
 use serde::{Deserialize, Serialize};
-
-use crate::metrics::counts::Counts;
 
 /// A line of the journal of a sweep.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -25,16 +24,14 @@ pub struct ScanAtPoint {
     pub dataset_idx: usize,
     /// Index of the scan among those taken from the data set.
     pub scan_idx: usize,
-    /// Number of the scan within its drive.
-    pub scan: u32,
-    /// The drive.
-    pub sequence: String,
-    /// The second of its drive that it was taken in.
-    pub second: DriveSecond,
     /// Index of the point in the plan.
     pub point_idx: usize,
-    /// Results of each detector, in the order of the plan.
-    pub detectors: Vec<DetectorAtPoint>,
+    /// Rows of `scans.csv`: of each detector of the plan, those of each of
+    /// [`Task::ALL`](reports::vocabulary::task::Task::ALL).
+    #[serde(with = "csv_text")]
+    pub scans: Vec<ScanRow>,
+    /// Of each detector of the plan, the tally of the cells of its grid, if it has one.
+    pub cells: Vec<Option<CellTally>>,
     /// Rows under official protocols.
     #[serde(default, skip_serializing_if = "OfficialRows::is_empty")]
     pub official: OfficialRows,
@@ -45,16 +42,6 @@ impl ScanAtPoint {
     pub fn key(&self) -> [usize; 3] {
         [self.dataset_idx, self.scan_idx, self.point_idx]
     }
-}
-
-/// Results of one detector on a scan at a point.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct DetectorAtPoint {
-    /// Counts for each of [`Task::ALL`](reports::vocabulary::task::Task::ALL).
-    pub counts: Vec<Counts>,
-    /// Tally of the cells of its grid, if it has one.
-    pub cells: Option<CellTally>,
 }
 
 /// The times of one scan at all points.

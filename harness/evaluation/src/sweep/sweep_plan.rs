@@ -2,7 +2,7 @@
 
 use std::collections::BTreeSet;
 
-use reports::run_folder::sweep_entry::SweptParameter;
+use reports::run_folder::sweep_entry::{SweptParameter, entrant_name};
 use toml::Value;
 
 use crate::process::problem::DetectorFailure;
@@ -151,6 +151,11 @@ impl SweepPlan {
         let tied = ties.into_iter().map(|it| it.name).collect();
         refuse_same_values(&swept)?;
         Ok(Self { detectors, swept, tied, points, base })
+    }
+
+    /// Name of `detector` at a point in the rows of the sweep.
+    pub fn entrant(&self, detector: &str, point_idx: usize) -> String {
+        entrant_name(detector, &self.parameters(), &self.points[point_idx].values)
     }
 
     /// Full names of the parameters that differ from point to point, in the order of [`SweepPoint::values`].

@@ -10,13 +10,9 @@ use reports::numbers::blocks::DriveSecond;
 use reports::numbers::tally::Tally;
 use reports::protocols::protocol_tally::ProtocolTally;
 use reports::rows::official_rows::OfficialRows;
-use reports::rows::scan_name::ScanName;
-use reports::run_folder::manifest::{AnnotatedClasses, DatasetEntry, Manifest};
+use reports::run_folder::manifest::Manifest;
 use reports::run_folder::sweep_entry::SweepEntry;
-use reports::vocabulary::task::Task;
-use scans::dataset;
 
-use crate::metrics::counts::FalseDetections;
 use crate::sweep::scan_at_point::{ScanAtPoint, TimedScan};
 
 /// Sums of a sweep.
@@ -25,8 +21,6 @@ pub struct SweepTally<'a> {
     pub(super) entry: &'a SweepEntry,
     // Counts of every detector at every point.
     pub(super) counts: Tally,
-    // Of each data set, whether unmatched detections of each of `Task::ALL` are known to be false.
-    false_detections: Vec<[FalseDetections; Task::ALL.len()]>,
     // Of each data set and each second, the sums of every detector at every point.
     pub(super) cells: Vec<BTreeMap<DriveSecond, Vec<Option<CellSums>>>>,
     pub(super) times: Vec<TimedScan>,
@@ -56,13 +50,12 @@ impl<'a> SweepTally<'a> {
         let entry = manifest.sweep.as_ref()?;
         let n_points = entry.points.len();
         let at_points = manifest.detectors.iter().flat_map(|it| {
-            (0..n_points).map(|point_idx| format!("{} at point {point_idx}", it.name)).collect::<Vec<_>>()
+            (0..n_points).map(|point_idx| entry.entrant(&it.name, point_idx)).collect::<Vec<_>>()
         });
         Some(Self {
             manifest,
             entry,
             counts: manifest.tally().with_detectors(at_points.collect()),
-            false_detections: manifest.datasets.iter().map(false_detections).collect(),
             cells: vec![BTreeMap::new(); manifest.datasets.len()],
             times: Vec::new(),
             protocols: vec![ProtocolTally::default(); n_points],
@@ -76,18 +69,16 @@ impl<'a> SweepTally<'a> {
 
     /// Adds a scan at a point. Scans come in the order of the sweep, and the points of each scan in order, too.
     pub fn add(&mut self, scan: &ScanAtPoint) {
-        let ScanAtPoint { dataset_idx, point_idx, second, .. } = scan;
-        let dataset = self.manifest.datasets[*dataset_idx].id.clone();
-        let name = ScanName { dataset, sequence: scan.sequence.clone(), scan: scan.scan };
-        for (detector_idx, found) in scan.detectors.iter().enumerate() {
-            let index = self.index_of(AtPoint { detector_idx, point_idx: *point_idx });
-            let of_tasks = found.counts.iter().zip(self.false_detections[*dataset_idx]);
-            for (task, (counts, false_detections)) in Task::ALL.into_iter().zip(of_tasks) {
-                self.counts.add_counts(&name, second, task, index, counts.scored(false_detections));
-            }
-            let Some(tally) = &found.cells else { continue };
-            let of_seconds = &mut self.cells[*dataset_idx];
+        for row in &scan.scans {
+            self.counts.add_scan(row);
+        }
+        let Some(first) = scan.scans.first() else { return };
+        let second = self.counts.block_of(first);
+        for (detector_idx, tally) in scan.cells.iter().enumerate() {
+            let Some(tally) = tally else { continue };
+            let index = self.index_of(AtPoint { detector_idx, point_idx: scan.point_idx });
             let n_sums = self.counts.detectors().len();
+            let of_seconds = &mut self.cells[scan.dataset_idx];
             let sums = of_seconds.entry(second.clone()).or_insert_with(|| vec![None; n_sums]);
             let of_scan = CellSums::of(tally);
             sums[index] = Some(sums[index].map_or(of_scan, |it| it.with(of_scan)));
@@ -123,15 +114,6 @@ impl<'a> SweepTally<'a> {
         }
         processors
     }
-}
-
-/// Whether unmatched detections of each of [`Task::ALL`] are known to be false.
-fn false_detections(dataset: &DatasetEntry) -> [FalseDetections; Task::ALL.len()] {
-    let annotated = match &dataset.annotated {
-        AnnotatedClasses::EveryObject => dataset::AnnotatedClasses::EveryObject,
-        AnnotatedClasses::Only(classes) => dataset::AnnotatedClasses::Only(classes.clone()),
-    };
-    Task::ALL.map(|task| FalseDetections::of(&annotated, task))
 }
 
 impl CellSums {

@@ -58,10 +58,11 @@ fn of_detectors(
     second: &str,
     slices: ComparedSlices,
 ) -> Result<Comparison, Failure> {
+    let tally = run.tally();
     let (what, known) = if run.manifest.partial.is_some() {
         ("method", run.objects.iter().map(PartialRow::method).collect::<BTreeSet<_>>().into_iter().collect())
     } else {
-        ("detector", run.manifest.detectors.iter().map(|it| it.name.as_str()).collect::<Vec<_>>())
+        ("detector", tally.detectors().iter().map(String::as_str).collect::<Vec<_>>())
     };
     if let Some(unknown) = [first, second].into_iter().find(|it| !known.contains(it)) {
         let known = known.join(", ");

@@ -152,7 +152,7 @@ fn undated(workplace: &Workplace, run: &str, page: Vec<u8>) -> String {
     let n_shards = manifest["shards"].as_array().map_or(0, Vec::len);
     let mut page = String::from_utf8(page).unwrap();
     let made_in = format!("<div><dt>made in</dt><dd>{n_shards} shards</dd></div>");
-    let is_of_run = workplace.path(run).join("scans.csv").is_file();
+    let is_of_run = workplace.path(run).join("matches.csv").is_file();
     assert_eq!(page.contains(&made_in), n_shards > 0 && is_of_run);
     let in_words = created.replace('T', " ").replace('Z', " UTC");
     for (word, other) in [

@@ -199,3 +199,36 @@ fn where_false_objects_are_unknown_recall_is_swept() {
     }
     workplace.check_file("out/f_rate_street.svg", &["recall (%)"]);
 }
+
+#[test]
+fn sweeps_are_compared_and_gated_point_by_point() {
+    let workplace = Workplace::new();
+    let sweep = "sweep street-narrow --simulated-scans 12 --sensor vlp-16 -P hierarchical.grid.cell_size_m=0.6:0.8:0.2";
+    let rest = "--timed-scans 0 --no-rrd -q";
+    workplace.succeed(&(sweep, rest, "-o before"));
+    workplace.succeed(&(sweep, rest, "-P walls.enabled=false -o after"));
+    workplace.succeed(
+        "run street-narrow --simulated-scans 12 --sensor vlp-16 -d hierarchical -P \
+                       hierarchical.grid.cell_size_m=0.8 --no-rrd -q -o run",
+    );
+    let f_rate = |run: &str, detector: &str| {
+        let report = workplace.json(&format!("{run}/report.json"));
+        let rows = report["rows"].as_array().expect("rows").clone();
+        let is_asked = |it: &serde_json::Value| {
+            it["detector"] == detector
+                && it["task"] == "objects"
+                && it["slice"] == "all"
+                && it["metric"] == "f_rate"
+        };
+        let row = rows.into_iter().find(is_asked).expect("a row");
+        (row["value"].clone(), row["interval_95"].clone(), row["n"].clone())
+    };
+    let at = "hierarchical@cell_size_m=0.8";
+    assert_eq!(f_rate("before", at), f_rate("run", "hierarchical"));
+    let ended = workplace.end_with("gate after --baseline before", 100, &["FAILED: worse"]);
+    ended.check_stdout(&["walls.enabled: true → false", at]);
+    workplace.succeed("gate before --baseline before").check_stdout(&["PASSED"]);
+    let pair = format!("compare before --detectors hierarchical@cell_size_m=0.6,{at}");
+    workplace.succeed(&pair).check_stdout(&["on the same scans of one run"]);
+    workplace.end_with("compare before run", 5, &["hierarchical@cell_size_m=0.6 is only in the earlier run"]);
+}

@@ -1,12 +1,13 @@
 //! A sweep made of the results of its shards.
 
-use evaluation::metrics::counts::Counts;
 use evaluation::sweep::scan_at_point::{JournalEntry, ScanAtPoint, TimedScan};
 use evaluation::sweep::sweep_tally::SweepTally;
+use reports::files::csv_rows::CsvRowWriter;
 use reports::numbers::sweep_score::SweepScores;
 use reports::pages::sweep_page::SweepPage;
-use reports::run_folder::manifest::Manifest;
-use reports::run_folder::run_directory::{RunDirectory, SHARD_LOG};
+use reports::rows::scan_row::ScanRow;
+use reports::run_folder::manifest::{DetectorEntry, Manifest};
+use reports::run_folder::run_directory::{REPORT_JSON, RunDirectory, SCANS_CSV, SHARD_LOG};
 use reports::run_folder::run_target::MANIFEST_JSON;
 use reports::run_folder::sweep_entry::SweepEntry;
 use reports::vocabulary::study::Study;
@@ -39,13 +40,16 @@ impl WholeResult for WholeSweep {
         let mut manifest = merged_manifest(manifests, directory.target(), pieces);
         let no_sweep = || shards[0].damaged("its manifest does not say what was swept".to_owned());
         let mut tally = SweepTally::of(&manifest).ok_or_else(no_sweep)?;
+        let mut rows = CsvRowWriter::new(directory.begin_file(SCANS_CSV)?)?;
         let progress = progress_over_results(shards.len(), 0, "shards");
         for shard in shards {
-            add_shard(&mut tally, shard, &manifest)?;
+            add_shard(&mut tally, &mut rows, shard, &manifest)?;
             progress.inc(1);
         }
         progress.finish_and_clear();
+        rows.finish()?;
         let drawn = tally.draw();
+        directory.write_file(REPORT_JSON, drawn.report()?.to_json().as_bytes())?;
         let scores = drawn.summary();
         refuse_nothing(&scores)?;
         let mut printed = write_sweep(directory, &scores)?;
@@ -66,9 +70,14 @@ impl WholeResult for WholeSweep {
     }
 }
 
-fn add_shard(tally: &mut SweepTally<'_>, shard: &ShardLog<'_>, manifest: &Manifest) -> Result<(), Failure> {
+fn add_shard(
+    tally: &mut SweepTally<'_>,
+    rows: &mut CsvRowWriter<ScanRow>,
+    shard: &ShardLog<'_>,
+    manifest: &Manifest,
+) -> Result<(), Failure> {
     let Some(entry) = &manifest.sweep else { return Ok(()) };
-    let expected = Expected { shard, entry, n_detectors: manifest.detectors.len() };
+    let expected = Expected { shard, entry, detectors: &manifest.detectors };
     let (mut scans, mut timed): (Vec<ScanAtPoint>, Vec<TimedScan>) = Default::default();
     shard.each_event(|entry| {
         match entry {
@@ -92,6 +101,7 @@ fn add_shard(tally: &mut SweepTally<'_>, shard: &ShardLog<'_>, manifest: &Manife
         return Err(shard.damaged(format!("{SHARD_LOG} has {difference}")));
     }
     for scan in &scans {
+        scan.scans.iter().try_for_each(|row| rows.write(row))?;
         tally.add(scan);
     }
     for scan in timed {
@@ -104,7 +114,7 @@ fn add_shard(tally: &mut SweepTally<'_>, shard: &ShardLog<'_>, manifest: &Manife
 struct Expected<'a> {
     shard: &'a ShardLog<'a>,
     entry: &'a SweepEntry,
-    n_detectors: usize,
+    detectors: &'a [DetectorEntry],
 }
 
 impl Expected<'_> {
@@ -139,19 +149,13 @@ impl Expected<'_> {
         if scan.point_idx >= self.entry.points.len() {
             return Err(format!("there is no point {}", scan.point_idx));
         }
-        let n_tasks = scan.detectors.iter().find(|it| it.counts.len() != Task::ALL.len());
-        if scan.detectors.len() != self.n_detectors || n_tasks.is_some() {
-            return Err(format!(
-                "it has other than {} detectors or {} tasks",
-                self.n_detectors,
-                Task::ALL.len()
-            ));
-        }
-        let is_sound = |it: &Counts| it.n_matched <= it.n_annotations;
-        if scan.detectors.iter().all(|it| it.counts.iter().all(is_sound)) {
+        let entrants = self.detectors.iter().map(|it| self.entry.entrant(&it.name, scan.point_idx));
+        let expected = entrants.flat_map(|it| Task::ALL.map(|task| (it.clone(), task)));
+        let has_all = expected.eq(scan.scans.iter().map(|row| (row.detector.clone(), row.task)));
+        if has_all && scan.cells.len() == self.detectors.len() {
             Ok(())
         } else {
-            Err("more annotations are matched than there are".to_owned())
+            Err("it has other rows than one for each detector and task".to_owned())
         }
     }
 
@@ -165,7 +169,7 @@ impl Expected<'_> {
             ));
         }
         let has_all = scan.times_ns.len() == self.entry.points.len()
-            && scan.times_ns.iter().all(|it| it.len() == self.n_detectors);
+            && scan.times_ns.iter().all(|it| it.len() == self.detectors.len());
         if has_all { Ok(()) } else { Err("not all detectors were timed at all points".to_owned()) }
     }
 }
