@@ -1,6 +1,8 @@
 //! Detections that a detector reports.
 
+use std::collections::BTreeSet;
 use std::ops::Range;
+use std::sync::{Mutex, PoisonError};
 
 use crate::oriented_box::OrientedBox;
 
@@ -21,6 +23,42 @@ impl DetectedClass {
             Self::Vehicle => "vehicle",
         }
     }
+}
+
+/// The class that a detector from elsewhere gives an object. The detectors of this project give none.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub struct GivenClass {
+    name: &'static str,
+    word: &'static str,
+}
+
+impl GivenClass {
+    /// The class `name`, which the detector calls `word`.
+    pub fn new(name: &str, word: &str) -> Self {
+        Self { name: kept(name), word: kept(word) }
+    }
+
+    /// The name of the class.
+    pub fn name(self) -> &'static str {
+        self.name
+    }
+
+    /// The word of the detector.
+    pub fn word(self) -> &'static str {
+        self.word
+    }
+}
+
+/// `text`, kept as long as the program runs: detections are copied many times, and there are few classes.
+fn kept(text: &str) -> &'static str {
+    static TEXTS: Mutex<BTreeSet<&'static str>> = Mutex::new(BTreeSet::new());
+    let mut texts = TEXTS.lock().unwrap_or_else(PoisonError::into_inner);
+    if let Some(known) = texts.get(text) {
+        return known;
+    }
+    let text: &'static str = Box::leak(text.to_owned().into_boxed_str());
+    texts.insert(text);
+    text
 }
 
 /// Which upright sides of a vehicle are seen. Left and right are those of its driver.
@@ -64,6 +102,8 @@ pub struct Detection<'a> {
     pub bounding_box: OrientedBox,
     /// Its class.
     pub class: DetectedClass,
+    /// The class that its detector gives, if that says more.
+    pub given: Option<GivenClass>,
     /// How sure the detector is that this is a vehicle; higher is surer, only the order matters. Never NaN.
     pub score: Option<f32>,
     /// Details of the box.
@@ -78,7 +118,12 @@ impl<'a> Detection<'a> {
         class: DetectedClass,
         score: Option<f32>,
     ) -> Self {
-        Self { point_indices, bounding_box, class, score, box_details: BoxDetails::default() }
+        Self { point_indices, bounding_box, class, given: None, score, box_details: BoxDetails::default() }
+    }
+
+    /// The name of its class: the one that its detector gives, or else its kind.
+    pub fn class_name(&self) -> &'static str {
+        self.given.map_or(self.class.name(), GivenClass::name)
     }
 
     /// The score by which protocols that judge boxes rank it: how sure the detector is of its box, or else of its class.
@@ -92,6 +137,7 @@ struct Entry {
     points: Range<usize>,
     bounding_box: OrientedBox,
     class: DetectedClass,
+    given: Option<GivenClass>,
     score: Option<f32>,
     box_details: BoxDetails,
 }
@@ -132,6 +178,7 @@ impl Detections {
             points: start..self.point_indices.len(),
             bounding_box: detection.bounding_box,
             class: detection.class,
+            given: detection.given,
             score: detection.score,
             box_details: detection.box_details,
         });
@@ -167,6 +214,7 @@ impl Detections {
             point_indices: &self.point_indices[entry.points.clone()],
             bounding_box: entry.bounding_box,
             class: entry.class,
+            given: entry.given,
             score: entry.score,
             box_details: entry.box_details,
         }

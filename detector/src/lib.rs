@@ -50,7 +50,7 @@ pub mod stage_product;
 pub mod rule;
 pub mod detector;
 
-pub use detection::{BoxDetails, DetectedClass, Detection, Detections};
+pub use detection::{BoxDetails, DetectedClass, Detection, Detections, GivenClass};
 pub use detector::{Detector, DetectorOutput};
 pub use oriented_box::OrientedBox;
 pub use point_cloud::PointCloud;

@@ -247,7 +247,7 @@ def test_numbers_are_taken_as_the_annotation_says() -> None:
         ("six numbers", "boxes are an array of m x 7"),
         ("nan score", "score 0 is not a finite number"),
         ("two scores", "scores are of shape (2,) for 1 detections"),
-        ("class", "unknown class 'lorry'"),
+        ("class", "TypeError: the class 7 is no name"),
         ("too few boxes", "1 boxes for clusters up to number 1000"),
         ("product", "product 'x' has values beyond 0 to 255"),
         ("many boxes", "100001 boxes, more than 100000"),

@@ -98,6 +98,7 @@ fn record(
         scan_indices,
         part: 0..scan_indices.len(),
         n_before: 0,
+        class_criteria: &config.class_criteria,
         matching: MatchingParams { criterion, eligibility: EligibilityParams::STANDARD },
         n_warmup: 1,
         n_repeats: NonZeroUsize::MIN,

@@ -125,7 +125,7 @@ fn detection_boxes(detections: &Detections, outcomes: &[DetectionOutcome]) -> Ve
 }
 
 fn detection_label(detection_idx: usize, detection: &Detection<'_>, reason: &str) -> String {
-    let class = detection.class.name();
+    let class = detection.class_name();
     let score = detection.score.map(|it| format!(" {it:.2}")).unwrap_or_default();
     let unsure =
         if detection.box_details.seen.is_some_and(|it| !it.is_front_sure) { ", front unsure" } else { "" };

@@ -30,7 +30,9 @@ pub fn log_scores(
             .with_radii([Radius::new_ui_points(line_radius_px)])
             .with_colors(of_class.iter().map(|it| legend::rgba(color(it))))
             .with_labels(of_class.iter().map(label))
-            .with_show_labels(class == DetectedClass::Vehicle);
+            .with_show_labels(
+                class == DetectedClass::Vehicle || of_class.iter().any(|it| it.given.is_some()),
+            );
         let path = entity_paths::scores_of_class(detector, class);
         recording::log(stream, path.clone(), &drawn)?;
         logged.insert(path);
@@ -48,8 +50,9 @@ fn color(detection: &Detection<'_>) -> palette::Rgb {
 }
 
 fn label(detection: &Detection<'_>) -> String {
-    match detection.score {
-        Some(score) => format!("{score:.2}"),
-        None => detection.class.name().to_owned(),
+    match (detection.score, detection.given) {
+        (Some(score), None) => format!("{score:.2}"),
+        (Some(score), Some(given)) => format!("{} {score:.2}", given.name()),
+        (None, _) => detection.class_name().to_owned(),
     }
 }

@@ -120,7 +120,7 @@ impl ScanRecorder for RunRecording {
             let products = detector.stage_products(&scan.cloud);
             let criterion = judged.watched.criterion;
             let evidence = Evidence::gather(scan, &result.output.detections, &products, criterion);
-            let f_rates = result.assignments.iter().map(|it| {
+            let f_rates = shown(result).map(|it| {
                 self.tally.counts(&description.id, it.task, result.detector)?.drawn(Counts::f_rate)
             });
             let tasks = task_views(result, description, &evidence, f_rates);
@@ -173,7 +173,12 @@ pub fn task_views<'a>(
         mistakes: evidence.mistakes(assignment),
         f_rate_so_far,
     };
-    result.assignments.iter().zip(f_rates_so_far).map(view).collect()
+    shown(result).zip(f_rates_so_far).map(view).collect()
+}
+
+/// The tasks that have views: labels of boxes say which class was given.
+fn shown(result: &DetectorScan) -> impl Iterator<Item = &Assignment> {
+    result.assignments.iter().filter(|it| it.task.class().is_none())
 }
 
 /// A recording outside of the run directory.

@@ -3,6 +3,7 @@
 use std::collections::BTreeMap;
 
 use super::seen_boxes::SeenBoxes;
+use crate::numbers::confusion::Confusion;
 use crate::numbers::pools::Pool;
 use crate::numbers::tally::Tally;
 use crate::protocols::given_classes::GivenClasses;
@@ -33,6 +34,7 @@ pub struct GatheredRun {
     pub(crate) reasons: ReasonTally,
     pub(crate) boxes: SeenBoxes,
     pub(crate) given: GivenClasses,
+    pub(crate) confusion: Confusion,
     has_like_processors: bool,
     first_task: Option<Task>,
 }
@@ -62,6 +64,7 @@ impl GatheredRun {
             reasons: ReasonTally::default(),
             boxes: SeenBoxes::default(),
             given: GivenClasses::default(),
+            confusion: Confusion::default(),
             has_like_processors: manifest.is_of_like_processors(),
             first_task: None,
         }
@@ -89,6 +92,11 @@ impl GatheredRun {
     /// Adds the outcome of an object; `surroundings` is called if the object is among the worst.
     pub fn add_match(&mut self, row: &MatchRow, surroundings: impl FnOnce() -> Surroundings) {
         self.tally.add_match(row);
+        self.confusion.add_match(row);
+        if row.task.class().is_some() {
+            // The same objects are in the rows of all objects.
+            return;
+        }
         self.boxes.add(row, &self.worst);
         self.worst.add(row, |_| surroundings());
         self.reasons.add_match(row);

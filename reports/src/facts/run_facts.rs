@@ -19,6 +19,7 @@ use crate::plots::series::{Position, Series};
 use crate::protocols::given_classes::GivenClasses;
 use crate::protocols::protocol_report::ProtocolReport;
 use crate::rows::agreement_row::AgreementRow;
+use crate::rows::confusion_row::ConfusionRow;
 use crate::rows::error_row::ErrorRow;
 use crate::rows::match_row::MatchRow;
 use crate::rows::scan_name::ScanName;
@@ -28,6 +29,7 @@ use crate::run_folder::run_directory::{
     MATCHES_CSV, RECORDINGS_JSON, REPORT_JSON, RUN_RRD, SCANS_CSV, WORST_POINTS_JSON,
 };
 use crate::run_folder::run_target::MANIFEST_JSON;
+use crate::tables::class_table::{ClassTable, class_tables};
 use crate::tables::protocol_in_short::ProtocolInShort;
 use crate::tables::run_in_short::RunInShort;
 use crate::tables::task_table::{TableError, TaskTable, task_tables};
@@ -101,6 +103,10 @@ pub struct RunFacts {
     pub(crate) protocols: Option<ProtocolReport>,
     /// Classes of these protocols that any detector gives.
     pub(crate) given: GivenClasses,
+    /// Tables of the classes that detectors give, one for each data set, and for several together.
+    pub classes: Vec<ClassTable>,
+    /// Annotated classes by given classes: the rows of `confusion.csv`.
+    pub confusion: Vec<ConfusionRow>,
     /// How far detectors agree where nothing is labelled.
     pub(crate) agreement: Vec<AgreementRow>,
     /// Whether there is a recording for the viewer.
@@ -193,7 +199,10 @@ impl RunFacts {
         report: RunReport,
         draws: &[Draw],
     ) -> Result<Self, TableError> {
-        let GatheredRun { tally, worst, pools, times_ms, mut failures, reasons, boxes, given, .. } = gathered;
+        let GatheredRun {
+            tally, worst, pools, times_ms, mut failures, reasons, boxes, given, confusion, ..
+        } = gathered;
+        let confusion = confusion.rows();
         let detectors: Vec<String> = manifest.detectors.iter().map(|it| it.name.clone()).collect();
         let failed_detector = |name: &String| {
             let [n_failed, n_scans] = report.failed_scans(|_| true, report.first_task()?, name)?;
@@ -215,6 +224,8 @@ impl RunFacts {
             recordings,
             protocols,
             given,
+            classes: class_tables(&report, &manifest, &confusion),
+            confusion,
             agreement,
             has_recording,
             worst,
@@ -255,16 +266,30 @@ impl RunFacts {
         let verdict = self.rankings.iter().map(TaskRanking::short_sentence);
         RunInShort {
             tables: if self.is_scored() { self.tables.clone() } else { Vec::new() },
+            classes: self.headline_classes().cloned().collect(),
             protocols: self
                 .protocols
                 .as_ref()
                 .map_or_else(Vec::new, |it| ProtocolInShort::all(it, &self.manifest, &self.given)),
             agreement: self.agreement.clone(),
             verdict: verdict
+                .chain(self.headline_classes().flat_map(ClassTable::sentences))
                 .chain(self.speeds.iter().filter(|it| !it.is_doubted).filter_map(Speeds::sentence))
                 .chain(times_doubts(&self.manifest, &self.report))
                 .collect(),
         }
+    }
+
+    /// The tables of classes on all data sets of one origin together.
+    fn headline_classes(&self) -> impl Iterator<Item = &ClassTable> {
+        let pools = self.manifest.pools();
+        self.classes.iter().filter(move |table| {
+            let is_of_pool = |it: &Pool| {
+                let is_only = it.datasets.len() == 1 && it.datasets[0] == table.dataset;
+                is_only || it.extent.name() == table.dataset
+            };
+            pools.iter().any(is_of_pool)
+        })
     }
 
     /// Index of `detector` in the order of the run.
@@ -292,7 +317,8 @@ impl PoolFacts {
         }
         let detectors: Vec<String> = times_ms.iter().map(|(name, _)| name.clone()).collect();
         let indices = tally.datasets_in(pool.extent.name()).into_iter();
-        let ranges = tally.tasks().iter().filter_map(|it| task_ranges(tally, draws, &pool, *it, &detectors));
+        let tasks = tally.tasks().iter().filter(|it| it.class().is_none());
+        let ranges = tasks.filter_map(|it| task_ranges(tally, draws, &pool, *it, &detectors));
         Self {
             blocks: indices.map(|it| draws[it].blocks()).reduce(BlockCount::with),
             ranges: ranges.collect(),

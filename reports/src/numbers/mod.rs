@@ -12,6 +12,7 @@ pub mod calibration;
 pub mod precision_recall_row;
 pub mod pools;
 pub(crate) mod gathered;
+pub mod confusion;
 pub mod tally;
 pub(crate) mod number_record;
 pub mod run_report;

@@ -222,6 +222,7 @@ impl Tally {
     fn key(&mut self, dataset: &str, task: Task, detector: &str) -> Key {
         if !self.tasks.contains(&task) {
             self.tasks.push(task);
+            self.tasks.sort_unstable();
         }
         let detector = index_of(&mut self.detectors, detector);
         Key { dataset: self.dataset_idx(dataset), task, detector }

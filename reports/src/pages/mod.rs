@@ -7,6 +7,7 @@ mod again;
 mod document;
 mod overview;
 mod task_tables;
+mod classes;
 mod ranges;
 mod curves;
 mod agreement;

@@ -3,6 +3,7 @@
 use std::path::Path;
 
 use super::agreement::agreement;
+use super::classes::classes;
 use super::curves::curves;
 use super::document::document;
 use super::errors::errors;
@@ -39,6 +40,7 @@ impl RunPage {
         let mut sections = vec![verdict(facts, &mut figures)];
         if facts.is_scored() {
             sections.push(task_tables(&facts.tables));
+            sections.extend(classes(facts));
             sections.extend(protocols(facts));
             sections.push(ranges(facts, &mut figures));
             sections.extend(curves(facts, &mut figures));

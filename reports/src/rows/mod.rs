@@ -6,6 +6,7 @@ pub mod scan_row;
 pub mod stage_row;
 pub mod match_outcome;
 pub mod match_row;
+pub mod confusion_row;
 pub mod error_row;
 pub mod box_row;
 pub mod cluster_of_point;

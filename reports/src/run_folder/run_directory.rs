@@ -26,6 +26,8 @@ pub const PRECISION_RECALL_CSV: &str = "precision_recall.csv";
 pub const WORST_POINTS_JSON: &str = "worst_points.json";
 /// How often detectors are wrong for each reason, and what repairing it would gain.
 pub const ERRORS_CSV: &str = "errors.csv";
+/// Annotated classes by given classes, if a detector gives classes.
+pub const CONFUSION_CSV: &str = "confusion.csv";
 /// How far detectors agree on scans without labels.
 pub const AGREEMENT_CSV: &str = "agreement.csv";
 /// The recording for Rerun.

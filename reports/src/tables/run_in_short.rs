@@ -3,6 +3,7 @@
 use crate::numbers::pools::{Pool, pools};
 use crate::rows::agreement_row::AgreementRow;
 use crate::tables::agreement_table::AgreementOfDetectors;
+use crate::tables::class_table::ClassTable;
 use crate::tables::grid::{Cell, Column, Grid, Line, LineKind};
 use crate::tables::notes::{Notes, abbreviations, about_detectors, about_interval, about_matching};
 use crate::tables::protocol_in_short::ProtocolInShort;
@@ -20,6 +21,8 @@ const IN_FULL: &str =
 pub struct RunInShort {
     /// Task by task, of runs that have labels.
     pub tables: Vec<TaskTable>,
+    /// Classes that detectors give, on all data sets of one origin together.
+    pub classes: Vec<ClassTable>,
     /// Numbers under protocols of others.
     pub protocols: Vec<ProtocolInShort>,
     /// How far detectors agree where nothing is labelled.
@@ -31,7 +34,8 @@ pub struct RunInShort {
 impl Tabular for RunInShort {
     fn sheet(&self) -> Sheet {
         let of_tasks = self.tables.iter().flat_map(parts);
-        let of_protocols: Vec<Sheet> = self.protocols.iter().map(Tabular::sheet).collect();
+        let of_classes = self.classes.iter().map(ClassTable::rates_sheet);
+        let of_protocols: Vec<Sheet> = of_classes.chain(self.protocols.iter().map(Tabular::sheet)).collect();
         let of_agreement =
             (!self.agreement.is_empty()).then(|| AgreementOfDetectors { rows: &self.agreement }.sheet());
         let more = of_agreement.iter().chain(&of_protocols);
@@ -148,7 +152,7 @@ mod tests {
 
     fn short() -> RunInShort {
         let (protocols, agreement, verdict) = (Vec::new(), Vec::new(), Vec::new());
-        RunInShort { tables: sample::tables().to_vec(), protocols, agreement, verdict }
+        RunInShort { tables: sample::tables().to_vec(), classes: Vec::new(), protocols, agreement, verdict }
     }
 
     #[test]

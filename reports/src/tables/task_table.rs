@@ -154,7 +154,7 @@ pub fn task_tables(report: &RunReport, manifest: &Manifest) -> Result<Vec<TaskTa
         if !manifest.detectors.iter().any(|it| it.name == *detector) {
             return Err(not_in_manifest("detector", detector));
         }
-        if !tasks.contains(task) {
+        if !tasks.contains(task) && task.class().is_none() {
             tasks.push(*task);
         }
     }

@@ -54,7 +54,7 @@ impl Tally {
 
     fn times_about(&self, dataset: &str, times: &Times) -> Vec<MetricRow> {
         let mut rows = Vec::new();
-        for &task in self.tasks() {
+        for &task in self.tasks().iter().filter(|it| it.class().is_none()) {
             for (detector_idx, detector) in self.detectors().iter().enumerate() {
                 let subject = Subject::of_all(dataset, task, detector);
                 let mut push = |metric, value, n: usize| {

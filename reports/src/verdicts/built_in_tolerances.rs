@@ -1,5 +1,7 @@
 //! Tolerances for a baseline that has none: for exactly the numbers that it has.
 
+use std::collections::BTreeSet;
+
 use serde::Deserialize;
 
 use crate::numbers::tally::Tally;
@@ -67,6 +69,7 @@ pub(super) struct SliceSize {
 pub(super) struct ProtocolSize {
     pub(super) meaning: String,
     metrics: Vec<String>,
+    class_metrics: Vec<String>,
     absolute: f64,
     relative: f64,
 }
@@ -117,8 +120,8 @@ impl Tolerances {
     }
 }
 
-/// One rule for each protocol that the baseline was evaluated under, about those of `metrics` that it has of all classes
-/// together.
+/// One rule for each protocol that the baseline was evaluated under, about those numbers that it has of all classes together,
+/// or else of each annotated class.
 fn protocol_rules(baseline: &RunArchive, size: &ProtocolSize) -> Vec<Rule> {
     let tally = baseline.tally();
     let names = tally.datasets().iter().flat_map(|it| DrawnScans::of(&tally, it).names().to_vec());
@@ -130,11 +133,18 @@ fn protocol_rules(baseline: &RunArchive, size: &ProtocolSize) -> Vec<Rule> {
             .filter_map(|detector| baseline.protocols.rows(ProtocolQuestion { protocol, detector }, &scans));
         let known: Vec<ProtocolMetric> = of_detectors.flat_map(|it| it.metrics()).collect();
         let has_it = |id: &&String| known.iter().any(|it| it.class == ALL_CLASSES && it.id == **id);
-        let metrics: Vec<String> = size.metrics.iter().filter(has_it).cloned().collect();
-        (!metrics.is_empty()).then(|| Rule {
+        let of_all: Vec<String> = size.metrics.iter().filter(has_it).cloned().collect();
+        let of_class = |it: &&ProtocolMetric| size.class_metrics.contains(&it.id) && it.n > 0;
+        let classes: BTreeSet<String> = known.iter().filter(of_class).map(|it| it.class.clone()).collect();
+        let (metrics, parts) = if of_all.is_empty() {
+            (size.class_metrics.clone(), classes.into_iter().collect())
+        } else {
+            (of_all, vec![ALL_CLASSES.to_owned()])
+        };
+        (!parts.is_empty()).then(|| Rule {
             line: None,
             metrics,
-            parts: vec![ALL_CLASSES.to_owned()],
+            parts,
             tasks: Some(vec![protocol.name().to_owned()]),
             detectors: None,
             absolute: size.absolute,

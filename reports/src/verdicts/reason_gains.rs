@@ -52,7 +52,7 @@ impl ReasonTally {
         let several = pools.iter().filter(|it| it.is_of_several()).map(|it| it.extent.name());
         let mut rows = Vec::new();
         for dataset in tally.datasets().iter().map(String::as_str).chain(several) {
-            for &task in tally.tasks() {
+            for &task in tally.tasks().iter().filter(|it| it.class().is_none()) {
                 for detector in tally.detectors() {
                     let slices = tally.slices(task, detector).into_iter().filter(is_shown);
                     for slice in slices {

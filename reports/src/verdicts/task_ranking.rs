@@ -107,7 +107,7 @@ pub fn rankings(tally: &Tally, draws: &[Draw], manifest: &Manifest, report: &Run
         TaskRanking { task, pool, has_others, metric, detectors, lead, suspect, overruled }
     };
     let of_task = |task: &Task| pools.iter().map(|it| ranking(*task, it)).collect::<Vec<_>>();
-    tally.tasks().iter().flat_map(of_task).collect()
+    tally.tasks().iter().filter(|it| it.class().is_none()).flat_map(of_task).collect()
 }
 
 /// The data sets of `pool` that have any of these `doubts`.

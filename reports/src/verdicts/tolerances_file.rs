@@ -10,6 +10,7 @@ use crate::files::regular_file::read_settings_text;
 use crate::verdicts::rule_problems::{RulePosition, RuleProblem, RuleTable};
 use crate::verdicts::suggestion::did_you_mean;
 use crate::verdicts::tolerances::{DriftRule, Origin, Rule, Tolerances};
+use crate::vocabulary::class::AnnotationClass;
 use crate::vocabulary::metric::{Direction, Metric, PartialMetric, SPEED_REFERENCE};
 use crate::vocabulary::protocol::Protocol;
 use crate::vocabulary::task::Task;
@@ -114,13 +115,22 @@ fn quality_rule(mut section: Section<'_>, problems: &mut Vec<RuleProblem>) -> Ru
         line: Some(section.line),
         metrics,
         parts: section.names("slices", |_| None).unwrap_or_default(),
-        tasks: section.names("tasks", |it| unknown("task", it, &Task::ALL.map(Task::name))),
+        tasks: section.names("tasks", unknown_task),
         detectors: section.names("detectors", |_| None),
         absolute: section.size("absolute", |size| absolute_problem(size, &measured)),
         relative: section.size("relative", |size| share_problem("relative", size)),
     };
     problems.extend(section.finish(&QUALITY_FIELDS));
     rule
+}
+
+/// The problem of a task that is none: tasks of classes have the names of these.
+fn unknown_task(name: &str) -> Option<String> {
+    if AnnotationClass::met(name).is_some() {
+        None
+    } else {
+        unknown("task", name, &Task::ALL.map(Task::name))
+    }
 }
 
 fn speed_rule(mut section: Section<'_>, problems: &mut Vec<RuleProblem>) -> Rule {

@@ -1,50 +1,295 @@
 //! Classes of objects: of annotations, and of detections.
 
+use std::collections::BTreeMap;
+use std::fmt;
+use std::sync::{Mutex, MutexGuard, PoisonError};
+
+use serde::de::Error as _;
+use serde::{Deserialize, Deserializer, Serialize, Serializer};
+
 use crate::vocabulary::named::named;
 
-named! {
-    /// What an annotated object is.
-    pub enum AnnotationClass {
-        /// Passenger car.
-        Car = "car",
-        /// Van or large people carrier.
-        Van = "van",
-        /// Truck.
-        Truck = "truck",
-        /// Bus.
-        Bus = "bus",
-        /// Person on foot.
-        Pedestrian = "pedestrian",
-        /// Person sitting.
-        SittingPerson = "sitting-person",
-        /// Bicycle or motorcycle with its rider.
-        Cyclist = "cyclist",
-        /// Bicycle or motorcycle without a rider.
-        ParkedCycle = "parked-cycle",
-        /// Tram or train.
-        Tram = "tram",
-        /// Trailer.
-        Trailer = "trailer",
-        /// Pole, lamp post, traffic light or sign.
-        Pole = "pole",
-        /// Trunk and crown of a tree.
-        Tree = "tree",
-        /// Hedge or bush.
-        Hedge = "hedge",
-        /// Fence or railing.
-        Fence = "fence",
-        /// Mail box, bin, bench, advertising column and the like.
-        StreetFurniture = "street-furniture",
-        /// Labelled, but none of the above.
-        Misc = "misc",
+/// What an annotated object is: a class of ours, or one that the user defines.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub enum AnnotationClass {
+    /// Passenger car.
+    Car,
+    /// Van or large people carrier.
+    Van,
+    /// Truck.
+    Truck,
+    /// Bus.
+    Bus,
+    /// Person on foot.
+    Pedestrian,
+    /// Person sitting.
+    SittingPerson,
+    /// Bicycle or motorcycle with its rider.
+    Cyclist,
+    /// Bicycle or motorcycle without a rider.
+    ParkedCycle,
+    /// Tram or train.
+    Tram,
+    /// Trailer.
+    Trailer,
+    /// Pole, lamp post, traffic light or sign.
+    Pole,
+    /// Trunk and crown of a tree.
+    Tree,
+    /// Hedge or bush.
+    Hedge,
+    /// Fence or railing.
+    Fence,
+    /// Mail box, bin, bench, advertising column and the like.
+    StreetFurniture,
+    /// Labelled, but none of the above.
+    Misc,
+    /// A class of the user.
+    Own(OwnClass),
+}
+
+/// Classes of ours with their names.
+const OURS: [(AnnotationClass, &str); 16] = [
+    (AnnotationClass::Car, "car"),
+    (AnnotationClass::Van, "van"),
+    (AnnotationClass::Truck, "truck"),
+    (AnnotationClass::Bus, "bus"),
+    (AnnotationClass::Pedestrian, "pedestrian"),
+    (AnnotationClass::SittingPerson, "sitting-person"),
+    (AnnotationClass::Cyclist, "cyclist"),
+    (AnnotationClass::ParkedCycle, "parked-cycle"),
+    (AnnotationClass::Tram, "tram"),
+    (AnnotationClass::Trailer, "trailer"),
+    (AnnotationClass::Pole, "pole"),
+    (AnnotationClass::Tree, "tree"),
+    (AnnotationClass::Hedge, "hedge"),
+    (AnnotationClass::Fence, "fence"),
+    (AnnotationClass::StreetFurniture, "street-furniture"),
+    (AnnotationClass::Misc, "misc"),
+];
+
+/// Longest name of a class of the user, in characters.
+const LONGEST_NAME: usize = 40;
+
+impl AnnotationClass {
+    /// Those of ours, in the order in which tables list them.
+    pub const ALL: [Self; OURS.len()] = {
+        let mut all = [Self::Misc; OURS.len()];
+        let mut index = 0;
+        while index < OURS.len() {
+            all[index] = OURS[index].0;
+            index += 1;
+        }
+        all
+    };
+
+    /// The name used in files and on screens.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Own(own) => own.0,
+            ours => OURS.iter().find(|(it, _)| *it == ours).map_or("misc", |(_, name)| name),
+        }
     }
 
-    /// What a detector takes an object for.
-    pub enum DetectionClass {
-        /// A free-standing thing on the street that is not known to be a vehicle.
-        Object = "object",
-        /// A car, van, truck or bus.
+    /// The class of this name: of ours, or defined by the user; `None` if there is none.
+    pub fn from_name(name: &str) -> Option<Self> {
+        let ours = OURS.iter().find(|(_, it)| *it == name).map(|(class, _)| *class);
+        ours.or_else(|| OwnClass::named(name).filter(|it| it.definition().is_some()).map(Self::Own))
+    }
+
+    /// The class of this name that is known, or that a file of a run has had.
+    pub fn met(name: &str) -> Option<Self> {
+        Self::from_name(name).or_else(|| OwnClass::named(name).map(Self::Own))
+    }
+
+    /// The class of this name in a file of ours: one that is unknown was defined by the user who made the file.
+    ///
+    /// # Errors
+    ///
+    /// A sentence if it is no name of a class.
+    pub fn written(name: &str) -> Result<Self, String> {
+        if let Some(known) = Self::from_name(name) {
+            return Ok(known);
+        }
+        check_name(name)?;
+        Ok(Self::Own(OwnClass::kept(name)))
+    }
+
+    /// Defines a class of the user, in `group` if it is in one.
+    ///
+    /// # Errors
+    ///
+    /// A sentence if `name` is no name of a class, that of one of ours, or of a class in another group.
+    pub fn define(name: &str, group: Option<ClassGroup>) -> Result<Self, String> {
+        check_name(name)?;
+        if OURS.iter().any(|(_, it)| *it == name) {
+            return Err(format!("{name:?} is a class already"));
+        }
+        let own = OwnClass::kept(name);
+        match own.definition() {
+            Some(known) if known.group != group => {
+                Err(format!("{name:?} is a class already, in another group"))
+            }
+            _ => {
+                own_classes().insert(own.0, Some(OwnDefinition { group }));
+                Ok(Self::Own(own))
+            }
+        }
+    }
+
+    /// The group that it belongs to, if it does.
+    pub fn group(self) -> Option<ClassGroup> {
+        match self {
+            Self::Car | Self::Van | Self::Truck | Self::Bus => Some(ClassGroup::Vehicle),
+            Self::Pedestrian | Self::SittingPerson => Some(ClassGroup::Person),
+            Self::Cyclist | Self::ParkedCycle => Some(ClassGroup::Cycle),
+            Self::Own(own) => own.definition().and_then(|it| it.group),
+            _ => None,
+        }
+    }
+}
+
+fn check_name(name: &str) -> Result<(), String> {
+    let is_plain = |it: char| it.is_ascii_lowercase() || it.is_ascii_digit() || it == '-';
+    let is_reserved = DetectionClass::from_word(name).is_some() || ["objects", "vehicles"].contains(&name);
+    if name.is_empty() || name.len() > LONGEST_NAME || !name.chars().all(is_plain) || is_reserved {
+        return Err(format!(
+            "{name:?} is no name of a class: use a-z, 0-9 and -, at most {LONGEST_NAME} characters"
+        ));
+    }
+    Ok(())
+}
+
+impl Serialize for AnnotationClass {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        serializer.serialize_str(self.name())
+    }
+}
+
+impl<'de> Deserialize<'de> for AnnotationClass {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        Self::written(&String::deserialize(deserializer)?).map_err(D::Error::custom)
+    }
+}
+
+impl fmt::Display for AnnotationClass {
+    fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
+        formatter.write_str(self.name())
+    }
+}
+
+#[cfg(feature = "schemas")]
+impl schemars::JsonSchema for AnnotationClass {
+    fn schema_name() -> std::borrow::Cow<'static, str> {
+        "AnnotationClass".into()
+    }
+
+    fn json_schema(_: &mut schemars::SchemaGenerator) -> schemars::Schema {
+        schemars::json_schema!({"type": "string", "pattern": "^[a-z0-9-]+$"})
+    }
+}
+
+/// A class that the user defines.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub struct OwnClass(&'static str);
+
+/// The classes of users, by name: how they are defined, or `None` as long as they are only known from a file of a run.
+static OWN_CLASSES: Mutex<BTreeMap<&'static str, Option<OwnDefinition>>> = Mutex::new(BTreeMap::new());
+
+#[derive(Clone, Copy)]
+struct OwnDefinition {
+    group: Option<ClassGroup>,
+}
+
+fn own_classes() -> MutexGuard<'static, BTreeMap<&'static str, Option<OwnDefinition>>> {
+    OWN_CLASSES.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
+impl OwnClass {
+    fn named(name: &str) -> Option<Self> {
+        own_classes().get_key_value(name).map(|(name, _)| Self(name))
+    }
+
+    fn kept(name: &str) -> Self {
+        let mut classes = own_classes();
+        if let Some((known, _)) = classes.get_key_value(name) {
+            return Self(known);
+        }
+        let name: &'static str = Box::leak(name.to_owned().into_boxed_str());
+        classes.insert(name, None);
+        Self(name)
+    }
+
+    fn definition(self) -> Option<OwnDefinition> {
+        own_classes().get(self.0).copied().flatten()
+    }
+}
+
+/// What a detector takes an object for.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub enum DetectionClass {
+    /// A free-standing thing on the street that is not known to be a vehicle.
+    Object,
+    /// A car, van, truck or bus.
+    Vehicle,
+    /// This class, which its detector gives.
+    Given(AnnotationClass),
+}
+
+impl DetectionClass {
+    /// The name used in files and on screens.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Object => "object",
+            Self::Vehicle => "vehicle",
+            Self::Given(class) => class.name(),
+        }
+    }
+
+    /// The class that its detector gives.
+    pub fn given(self) -> Option<AnnotationClass> {
+        match self {
+            Self::Given(class) => Some(class),
+            Self::Object | Self::Vehicle => None,
+        }
+    }
+
+    fn from_word(name: &str) -> Option<Self> {
+        [Self::Object, Self::Vehicle].into_iter().find(|it| it.name() == name)
+    }
+}
+
+impl Serialize for DetectionClass {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        serializer.serialize_str(self.name())
+    }
+}
+
+impl<'de> Deserialize<'de> for DetectionClass {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        let name = String::deserialize(deserializer)?;
+        match Self::from_word(&name) {
+            Some(known) => Ok(known),
+            None => AnnotationClass::written(&name).map(Self::Given).map_err(D::Error::custom),
+        }
+    }
+}
+
+impl fmt::Display for DetectionClass {
+    fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
+        formatter.write_str(self.name())
+    }
+}
+
+named! {
+    /// Classes that belong together.
+    pub enum ClassGroup {
+        /// Cars, vans, trucks and buses.
         Vehicle = "vehicle",
+        /// People on foot or sitting.
+        Person = "person",
+        /// Bicycles and motorcycles, with a rider or without.
+        Cycle = "cycle",
     }
 
     /// How much of an object is hidden by others.
@@ -55,5 +300,41 @@ named! {
         Partly = "partly",
         /// More than a half.
         Largely = "largely",
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_class_of_the_user_is_read_back_and_defined_once() {
+        let read: AnnotationClass = serde_json::from_str("\"pallet-1\"").unwrap();
+        assert_eq!((read.name(), read.group()), ("pallet-1", None));
+        assert_eq!(AnnotationClass::from_name("pallet-1"), None, "a file defines nothing");
+        let defined = AnnotationClass::define("pallet-1", Some(ClassGroup::Vehicle)).unwrap();
+        assert_eq!((defined, defined.group()), (read, Some(ClassGroup::Vehicle)));
+        assert_eq!(AnnotationClass::from_name("pallet-1"), Some(defined));
+        assert!(AnnotationClass::define("pallet-1", None).unwrap_err().contains("another group"));
+        assert!(AnnotationClass::define("car", None).unwrap_err().contains("already"));
+        for name in ["", "Fork Lift", "object", "vehicle"] {
+            assert!(
+                AnnotationClass::define(name, None).unwrap_err().contains("no name of a class"),
+                "{name}"
+            );
+            assert!(AnnotationClass::written(name).is_err(), "{name}");
+        }
+    }
+
+    #[test]
+    fn a_detection_has_a_class_of_its_detector_or_a_kind() {
+        for (written, class) in [
+            ("\"object\"", DetectionClass::Object),
+            ("\"vehicle\"", DetectionClass::Vehicle),
+            ("\"truck\"", DetectionClass::Given(AnnotationClass::Truck)),
+        ] {
+            assert_eq!(serde_json::from_str::<DetectionClass>(written).unwrap(), class);
+            assert_eq!(serde_json::to_string(&class).unwrap(), written);
+        }
     }
 }

@@ -1,10 +1,10 @@
 //! The words that rows, numbers, verdicts and tables share.
 
 pub mod named;
-pub mod task;
 pub mod study;
 pub mod shard;
 pub mod class;
+pub mod task;
 pub mod partial_class;
 pub mod criterion;
 pub mod reason;

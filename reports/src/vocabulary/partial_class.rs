@@ -40,7 +40,8 @@ impl PartialClass {
             | AnnotationClass::Hedge
             | AnnotationClass::Fence
             | AnnotationClass::StreetFurniture
-            | AnnotationClass::Misc => Self::Other,
+            | AnnotationClass::Misc
+            | AnnotationClass::Own(_) => Self::Other,
         }
     }
 }

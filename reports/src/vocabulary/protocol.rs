@@ -113,7 +113,7 @@ impl ProtocolFamily {
     pub fn remark(self) -> &'static str {
         match self {
             Self::KittiObjects | Self::RankedBoxes => {
-                "Detections without a score have 1; vehicles without a predicted class are cars."
+                "Detections without a score have 1; detections have the class that their detector gives, vehicles without one are cars."
             }
             Self::Instances => {
                 "All points count, whatever their range, and objects of a single point. The entropies are sums over a scan."

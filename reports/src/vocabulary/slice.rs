@@ -67,20 +67,16 @@ impl Slice {
         }
     }
 
-    /// The slice of this name; `None` if there is none.
+    /// The slice of this name; `None` if there is none. A class that is unknown may be one of a user.
     pub fn from_name(name: &str) -> Option<Self> {
-        let classes = AnnotationClass::ALL.into_iter().map(Self::Class);
+        if let Some(class) = name.strip_prefix("class/") {
+            return AnnotationClass::written(class).ok().map(Self::Class);
+        }
         let ranges = (0..RANGES_M.len()).map(Self::Range);
         let points = (0..POINTS.len()).map(Self::Points);
         let occlusions = Occlusion::ALL.into_iter().map(Self::Occlusion);
         let others = [Self::All, Self::Truncated, Self::Tall];
-        others
-            .into_iter()
-            .chain(classes)
-            .chain(ranges)
-            .chain(points)
-            .chain(occlusions)
-            .find(|it| it.name() == name)
+        others.into_iter().chain(ranges).chain(points).chain(occlusions).find(|it| it.name() == name)
     }
 
     /// The slice of objects that are `range_m` away; `None` if that is not a number.

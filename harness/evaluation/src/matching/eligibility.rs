@@ -1,7 +1,7 @@
 //! Which annotations count, and which are neither right nor wrong.
 
-use detector::DetectedClass;
-use reports::vocabulary::class::AnnotationClass;
+use detector::{DetectedClass, Detection};
+use reports::vocabulary::class::{AnnotationClass, ClassGroup};
 use reports::vocabulary::reason::IgnoredAnnotation;
 use reports::vocabulary::task::Task;
 use scans::annotation::{Annotation, LabeledScan, PointRegion, range_m};
@@ -48,11 +48,13 @@ enum Role {
 fn role(task: Task, class: AnnotationClass) -> Role {
     use AnnotationClass as Class;
     match (task, class) {
-        (Task::Objects, _) | (Task::Vehicles, Class::Car | Class::Van | Class::Truck | Class::Bus) => {
-            Role::Target
+        (Task::Objects, _) => Role::Target,
+        (Task::Vehicles, class) if class.group() == Some(ClassGroup::Vehicle) => Role::Target,
+        (Task::Class(asked), class) if class == asked => Role::Target,
+        (Task::Vehicles, Class::Tram | Class::Trailer) | (Task::Vehicles | Task::Class(_), Class::Misc) => {
+            Role::Ambiguous
         }
-        (Task::Vehicles, Class::Tram | Class::Trailer | Class::Misc) => Role::Ambiguous,
-        (Task::Vehicles, _) => Role::Background,
+        (Task::Vehicles | Task::Class(_), _) => Role::Background,
     }
 }
 
@@ -74,6 +76,7 @@ pub fn may_be_tall(class: AnnotationClass) -> bool {
         Class::Pole | Class::Tree | Class::Hedge | Class::Fence | Class::StreetFurniture | Class::Misc => {
             true
         }
+        Class::Own(_) => class.group().is_none(),
         Class::Car
         | Class::Van
         | Class::Truck
@@ -87,11 +90,12 @@ pub fn may_be_tall(class: AnnotationClass) -> bool {
     }
 }
 
-/// Whether `task` asks for detections of this class.
-pub fn asks_for(task: Task, class: DetectedClass) -> bool {
+/// Whether `task` asks for `detection`.
+pub fn asks_for(task: Task, detection: &Detection<'_>) -> bool {
     match task {
         Task::Objects => true,
-        Task::Vehicles => class == DetectedClass::Vehicle,
+        Task::Vehicles => detection.class == DetectedClass::Vehicle,
+        Task::Class(class) => detection.given.is_some_and(|it| it.name() == class.name()),
     }
 }
 

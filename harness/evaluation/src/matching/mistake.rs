@@ -71,7 +71,7 @@ impl<'a> Evidence<'a> {
             let n_points = detection.point_indices.len();
             let score = detection.score.map(|it| format!(" {it:.2}")).unwrap_or_default();
             let why = self.why_false(detection_idx, *reason);
-            let class = detection.class.name();
+            let class = detection.class_name();
             let range_m = detection.bounding_box.range_m();
             let text = format!(
                 "detection {detection_idx}: {why} ({class}{score}, {n_points} points, {range_m:.0} m)"

@@ -1,5 +1,6 @@
 //! Outcome of every annotation and every detection of a scan.
 
+use reports::vocabulary::criterion::CriterionKind;
 use reports::vocabulary::reason::{FalseReason, IgnoredAnnotation, IgnoredDetection, MissReason};
 use reports::vocabulary::task::Task;
 
@@ -8,6 +9,8 @@ use reports::vocabulary::task::Task;
 pub struct Assignment {
     /// The task it was made for.
     pub task: Task,
+    /// The measure that it was made by.
+    pub criterion: CriterionKind,
     /// Outcome of every annotation of the scan, in order.
     pub annotations: Vec<AnnotationOutcome>,
     /// Outcome of every detection of the scan, in order.

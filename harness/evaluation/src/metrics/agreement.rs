@@ -10,7 +10,7 @@ use crate::matching::hungarian::{AdmissiblePair, match_pairs};
 
 /// Indices of the `detections` that `task` asks for.
 pub fn asked_for(detections: &Detections, task: Task) -> Vec<usize> {
-    (0..detections.len()).filter(|&idx| asks_for(task, detections.get(idx).class)).collect()
+    (0..detections.len()).filter(|&idx| asks_for(task, &detections.get(idx))).collect()
 }
 
 /// Indices of the detections of the first of two detectors that the second has, too, in a scan of `n_points`: the IoU of the

@@ -91,6 +91,7 @@ impl std::ops::AddAssign for Counts {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use reports::vocabulary::criterion::CriterionKind;
     use reports::vocabulary::reason::{FalseReason, MissReason};
 
     fn scan(n_matched: usize, n_missed: usize, n_false: usize) -> Counts {
@@ -100,6 +101,7 @@ mod tests {
         let wrong = DetectionOutcome::False(FalseReason::NothingThere);
         Counts::of(&Assignment {
             task: Task::Objects,
+            criterion: CriterionKind::Points,
             annotations: (0..n_matched).map(matched).chain((0..n_missed).map(|_| missed)).collect(),
             detections: (0..n_matched).map(right).chain((0..n_false).map(|_| wrong)).collect(),
             found_tall: Vec::new(),

@@ -1,8 +1,8 @@
 //! The answer of a detector to a scan, after all checks.
 
 use detector::OrientedBox;
-use reports::vocabulary::class::AnnotationClass;
-use scans::dataset::class_table::class_of_word;
+use scans::dataset::class_table::ClassTable;
+use scans::foreign::foreign_class::ForeignClass;
 
 use super::message::{MOST_BOXES, ResultLine};
 
@@ -31,7 +31,7 @@ pub struct Found {
     /// Boxes that are no detections, each with its score: unlikely vehicles, used only where boxes are ranked.
     pub ranked: Vec<(OrientedBox, f32)>,
     /// Class of every detection; `None` where the detector predicts none.
-    pub classes: Vec<Option<AnnotationClass>>,
+    pub classes: Vec<Option<ForeignClass>>,
     /// Stages and their times in milliseconds, as reported.
     pub stages: Vec<(String, f64)>,
     /// Products: their names, and their values, one for each point.
@@ -101,12 +101,17 @@ impl Found {
         ))
     }
 
-    /// Reads the payload of a line that has been [checked](Self::check_line).
+    /// Reads the payload of a line that has been [checked](Self::check_line); `table` has the user's names of classes.
     ///
     /// # Errors
     ///
     /// The problem, as the rest of a sentence.
-    pub fn read(line: &ResultLine, payload: &[u8], n_points: usize) -> Result<Self, String> {
+    pub fn read(
+        line: &ResultLine,
+        payload: &[u8],
+        n_points: usize,
+        table: &ClassTable,
+    ) -> Result<Self, String> {
         let parts = Parts::of(line, n_points);
         let (ids, rest) = payload.split_at(parts.ids);
         let (boxes, rest) = rest.split_at(parts.boxes);
@@ -142,7 +147,7 @@ impl Found {
             scores: line.scores.then_some(scores),
             box_scores: box_scores.collect::<Result<Vec<_>, _>>()?,
             ranked: boxes_of("ranked box", ranked)?.into_iter().zip(ranked_scores).collect(),
-            classes: classes_of(line, n_detections)?,
+            classes: classes_of(line, n_detections, table)?,
             stages: line.stages.iter().map(|it| (it.name.clone(), it.ms)).collect(),
             products: line.products.iter().map(|it| it.name.clone()).zip(values).collect(),
         })
@@ -220,17 +225,23 @@ fn n_detections(clusters: Option<&[u32]>, n_boxes: usize) -> Result<usize, Strin
     Ok(n_boxes)
 }
 
-fn classes_of(line: &ResultLine, n_detections: usize) -> Result<Vec<Option<AnnotationClass>>, String> {
+fn classes_of(
+    line: &ResultLine,
+    n_detections: usize,
+    table: &ClassTable,
+) -> Result<Vec<Option<ForeignClass>>, String> {
     let Some(written) = &line.classes else { return Ok(vec![None; n_detections]) };
     if written.len() != n_detections {
         return Err(format!("there are {} classes of {n_detections} detections", written.len()));
     }
-    written.iter().map(|it| it.as_deref().map(class_of_word).transpose()).collect()
+    let class = |word: &str| Ok(ForeignClass::of(word, table.class_of_detection(word)?));
+    written.iter().map(|it| it.as_deref().map(class).transpose()).collect()
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use reports::vocabulary::class::AnnotationClass;
 
     use super::super::message::ProductLine;
 
@@ -240,7 +251,7 @@ mod tests {
 
     fn read(line: &ResultLine, payload: &[u8], n_points: usize) -> Result<Found, String> {
         Found::check_line(line, payload.len(), n_points)?;
-        Found::read(line, payload, n_points)
+        Found::read(line, payload, n_points, &ClassTable::default())
     }
 
     fn ids(ids: &[u32]) -> Vec<u8> {
@@ -268,7 +279,7 @@ mod tests {
         assert_eq!(found.clusters, Some(vec![1, 0, 2]));
         assert_eq!((found.boxes.len(), found.boxes[1].yaw_rad), (2, 0.25));
         assert_eq!(found.scores, Some(vec![0.5, -2.0]));
-        assert_eq!(found.classes, [Some(AnnotationClass::Car), None]);
+        assert_eq!(found.classes, [Some(AnnotationClass::Car.into()), None]);
         assert_eq!(found.products, [("ground".to_owned(), vec![7, 8, 9])]);
     }
 

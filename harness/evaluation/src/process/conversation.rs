@@ -3,6 +3,7 @@
 use std::time::{Duration, Instant};
 
 use scans::annotation::{LabeledScan, ScanId};
+use scans::dataset::class_table::ClassTable;
 use serde::Serialize;
 
 use super::answer::Found;
@@ -25,6 +26,7 @@ pub struct Conversation {
     shared: SharedCloud,
     configuration: Configuration,
     start_limit: Duration,
+    classes: ClassTable,
     introduction: Introduction,
     number: u64,
     is_configured: bool,
@@ -69,6 +71,7 @@ impl Conversation {
                     shared,
                     configuration: configuration.clone(),
                     start_limit: start.start_limit,
+                    classes: start.classes.clone(),
                     introduction,
                     number: 0,
                     is_configured: false,
@@ -145,7 +148,8 @@ impl Conversation {
         let wall = started.elapsed();
         read.map_err(|error| problem_of(error, "scan", limit))?;
         let cpu = self.program.cpu_time().zip(cpu_before).map(|(after, before)| after.saturating_sub(before));
-        let found = Found::read(&result, &self.payload, n_points).map_err(DetectorProblem::WrongAnswer)?;
+        let found = Found::read(&result, &self.payload, n_points, &self.classes);
+        let found = found.map_err(DetectorProblem::WrongAnswer)?;
         Ok(Answered { found, wall, cpu })
     }
 

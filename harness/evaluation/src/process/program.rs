@@ -9,6 +9,8 @@ use std::time::{Duration, Instant, UNIX_EPOCH};
 
 use rustix::process::{Pid, Signal};
 
+use scans::dataset::class_table::ClassTable;
+
 use super::last_words::LastWords;
 use super::message::{PROTOCOL, Question, line_of};
 use super::pipe::Pipe;
@@ -37,6 +39,8 @@ pub struct StartedProgram {
     pub threads: u32,
     /// Time limit for its start.
     pub start_limit: Duration,
+    /// The user's names of classes, which its answers may have.
+    pub classes: ClassTable,
 }
 
 /// A detector that is running.

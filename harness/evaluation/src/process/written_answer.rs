@@ -57,7 +57,7 @@ impl AnswerWriter {
             scores: !scores.is_empty() && scores.len() == detections.len(),
             box_scores: is_ranked && box_scores,
             ranked: if is_ranked { output.unlikely_vehicles.len() } else { 0 },
-            classes: Some(detections.iter().map(|it| Some(class_of(&it).name().to_owned())).collect()),
+            classes: Some(detections.iter().map(|it| Some(class_of(&it).to_owned())).collect()),
             stages: stages_of(output),
             products: Vec::new(),
         };
@@ -117,10 +117,11 @@ impl AnswerWriter {
 }
 
 /// A class for the answer: other objects get one that is no vehicle.
-fn class_of(detection: &Detection<'_>) -> AnnotationClass {
-    match detection.class {
-        DetectedClass::Vehicle => AnnotationClass::Car,
-        DetectedClass::Object => AnnotationClass::Misc,
+fn class_of(detection: &Detection<'_>) -> &'static str {
+    match (detection.given, detection.class) {
+        (Some(given), _) => given.word(),
+        (None, DetectedClass::Vehicle) => "vehicle",
+        (None, DetectedClass::Object) => AnnotationClass::Misc.name(),
     }
 }
 
@@ -160,7 +161,8 @@ mod tests {
         };
         assert_eq!((line.number, n_bytes), (7, message.len() - end));
         Found::check_line(&line, n_bytes, n_points).unwrap();
-        Found::read(&line, &message[end..], n_points).unwrap()
+        Found::read(&line, &message[end..], n_points, &scans::dataset::class_table::ClassTable::default())
+            .unwrap()
     }
 
     #[test]

@@ -166,6 +166,25 @@ impl ScanUnderProtocols<'_> {
         rows
     }
 
+    /// The rows of the labels of boxes, fed back as what a detector `name` gives that runs here.
+    pub fn echoed_detections(&self, name: &str) -> OfficialRows {
+        let mut rows = OfficialRows::default();
+        if let Some(view) = &self.view {
+            let output = view.echoed_output();
+            let objects = view.found(&output, &[]);
+            let found = FoundInScan {
+                name: self.name.clone(),
+                detector: name,
+                view,
+                output: &output,
+                objects: &objects,
+                kitti_objects: None,
+            };
+            self.add_boxes(&found, &mut rows);
+        }
+        rows
+    }
+
     /// Name of the scan.
     pub fn name(&self) -> &ScanName {
         &self.name

@@ -1,15 +1,17 @@
 //! Labels and detections of a scan in the form of the makers of its data set; if there are none, made of ours.
 
-use detector::{DetectedClass, DetectorOutput, OrientedBox};
-use nalgebra::Isometry3;
-use reports::vocabulary::class::AnnotationClass;
+use detector::{DetectedClass, Detection, DetectorOutput, OrientedBox};
+use nalgebra::{Isometry3, Translation3, UnitQuaternion, Vector3};
+use reports::vocabulary::class::{AnnotationClass, ClassGroup};
 use scans::annotation::LabeledScan;
 use scans::conversion::results::detection_rows::SCORE_OF_NONE;
+use scans::dataset::class_name::class_named;
 use scans::dataset::foreign_frame::ForeignFrame;
 use scans::dataset::kitti::label::{KittiLabel, KittiObject};
 use scans::dataset::official::{OfficialObject, OfficialScan};
-use scans::dataset::upright_box::pose_of_box;
+use scans::dataset::upright_box::{pose_of_box, upright_box};
 use scans::dataset::{Dataset, DatasetError};
+use scans::foreign::foreign_class::ForeignClass;
 
 /// A scan, and the labels of the makers of its data set.
 pub struct OfficialScanView<'a> {
@@ -55,14 +57,15 @@ impl<'a> OfficialScanView<'a> {
             return official.objects.iter().map(|it| self.moved_to_origin(it.clone())).collect();
         }
         let annotations = self.scan.annotations.iter().filter_map(|it| {
-            let object = in_frame(it.class, &it.bounding_box?, &Isometry3::identity());
+            let object = in_frame(it.class.name(), &it.bounding_box?, &Isometry3::identity());
             Some(OfficialObject { n_points: Some(it.point_indices.len() as u64), ..object })
         });
         annotations.collect()
     }
 
-    /// Detections, relative to the origin of ranges: `official` if the results were read in that form, or else the vehicles
-    /// in `output` as cars, the unlikely ones, too: these protocols rank by the score of the box. Missing scores are 1.
+    /// Detections, relative to the origin of ranges: `official` if the results were read in that form, or else those in
+    /// `output`, by the classes that their detector gives. Vehicles without one are cars, the unlikely ones, too: these
+    /// protocols rank by the score of the box. Missing scores are 1.
     pub fn found(&self, output: &DetectorOutput, official: &[OfficialObject]) -> Vec<OfficialObject> {
         let with_score = |it: OfficialObject, score: Option<f64>| OfficialObject {
             score: Some(score.unwrap_or(SCORE_OF_NONE.into())),
@@ -72,12 +75,17 @@ impl<'a> OfficialScanView<'a> {
             return official.iter().map(|it| with_score(it.clone(), it.score)).collect();
         }
         let file_from_sensor = self.official.as_ref().map_or_else(Isometry3::identity, |(_, it)| *it);
-        let vehicles = output.detections.iter().filter(|it| it.class == DetectedClass::Vehicle);
-        let vehicles = vehicles.chain(output.unlikely_vehicles.iter()).map(|it| {
-            let object = in_frame(AnnotationClass::Car, &it.bounding_box, &file_from_sensor);
-            with_score(object, it.box_score().map(f64::from))
+        let all = output.detections.iter().chain(output.unlikely_vehicles.iter());
+        let found = all.filter_map(|it| {
+            let name = match (it.given, it.class) {
+                (Some(given), _) => given.word(),
+                (None, DetectedClass::Vehicle) => AnnotationClass::Car.name(),
+                (None, DetectedClass::Object) => return None,
+            };
+            let object = in_frame(name, &it.bounding_box, &file_from_sensor);
+            Some(with_score(object, it.box_score().map(f64::from)))
         });
-        vehicles.collect()
+        found.collect()
     }
 
     /// The labels as detections of a perfect detector.
@@ -85,6 +93,35 @@ impl<'a> OfficialScanView<'a> {
         let labels = self.labels().into_iter();
         let echo = |it| OfficialObject { n_points: None, score: Some(SCORE_OF_NONE.into()), ..it };
         labels.filter(|it| it.n_points != Some(0)).map(echo).collect()
+    }
+
+    /// The labels as the output of a perfect detector that gives classes: no results of others are read, and velocities and
+    /// attributes are not known.
+    pub fn echoed_output(&self) -> DetectorOutput {
+        let mut output = DetectorOutput::default();
+        let mut push = |bounding_box, class: ForeignClass| {
+            let kind = match class.class.group() {
+                Some(ClassGroup::Vehicle) => DetectedClass::Vehicle,
+                _ => DetectedClass::Object,
+            };
+            output
+                .detections
+                .push(Detection { given: class.given, ..Detection::new(&[], bounding_box, kind, None) });
+        };
+        if let Some((official, file_from_sensor)) = &self.official {
+            for it in official.objects.iter().filter(|it| it.n_points != Some(0)) {
+                let Some(class) = class_named(&it.name) else { continue };
+                let turn = UnitQuaternion::from_axis_angle(&Vector3::z_axis(), it.yaw_rad);
+                let file_from_box = Isometry3::from_parts(Translation3::from(it.center_m), turn);
+                let sensor_from_box = file_from_sensor.inverse() * file_from_box;
+                let bounding_box = upright_box(&sensor_from_box, it.length_width_height_m);
+                push(bounding_box, ForeignClass::of(&it.name, class));
+            }
+        } else {
+            let boxed = self.scan.annotations.iter().filter_map(|it| Some((it.bounding_box?, it.class)));
+            boxed.for_each(|(bounding_box, class)| push(bounding_box, class.into()));
+        }
+        output
     }
 
     /// The objects of KITTI's files as detections of a perfect detector.
@@ -101,11 +138,7 @@ impl<'a> OfficialScanView<'a> {
     }
 }
 
-fn in_frame(
-    class: AnnotationClass,
-    bounding_box: &OrientedBox,
-    file_from_sensor: &Isometry3<f64>,
-) -> OfficialObject {
+fn in_frame(name: &str, bounding_box: &OrientedBox, file_from_sensor: &Isometry3<f64>) -> OfficialObject {
     let sides_m = bounding_box.length_width_height_m.map(f64::from);
-    OfficialObject::new(class.name(), &(file_from_sensor * pose_of_box(bounding_box)), sides_m)
+    OfficialObject::new(name, &(file_from_sensor * pose_of_box(bounding_box)), sides_m)
 }

@@ -13,10 +13,9 @@ use detector::pipeline::stage_list::{Pipeline, Stages};
 use detector::whole::box_model::BoxModel;
 use detector::whole::reported_boxes::{BoxParams, ReportedBoxes};
 use detector::{DetectedClass, Detection, Detector, DetectorOutput, OrientedBox, PointCloud};
-use reports::vocabulary::class::AnnotationClass;
+use reports::vocabulary::class::ClassGroup;
+use scans::foreign::foreign_class::ForeignClass;
 use scans::foreign::points_in_boxes::PointsAlongX;
-
-use crate::matching::eligibility::counts_as_vehicle;
 
 /// An object as a foreign detector reports it.
 #[derive(Debug, Clone, Default, PartialEq)]
@@ -26,7 +25,7 @@ pub struct FoundObject {
     /// Its box in the frame of the scan; `None` if we have to fit one to its points.
     pub bounding_box: Option<OrientedBox>,
     /// Its predicted class, if the detector predicts one.
-    pub class: Option<AnnotationClass>,
+    pub class: Option<ForeignClass>,
     /// Score of the object, if the detector reports one.
     pub score: Option<f32>,
     /// Score of its box, if the detector reports one.
@@ -74,7 +73,7 @@ struct PreparedObject {
     bounding_box: OrientedBox,
     // Whether we fitted the box.
     is_fitted: bool,
-    class: Option<AnnotationClass>,
+    class: Option<ForeignClass>,
     score: Option<f32>,
     box_score: Option<f32>,
 }
@@ -162,6 +161,7 @@ impl ForeignVehicles {
         let mut fitted = self.fitted.detections.iter();
         for ((is_fitted, detection), object) in detections.zip(&prepared) {
             let mut reported = if *is_fitted { fitted.next() } else { None }.unwrap_or(detection);
+            reported.given = object.class.and_then(|it| it.given);
             if object.score.is_some() {
                 // Scores of foreign detectors are no log odds, so they cannot be combined with ours.
                 reported.box_details.score = None;
@@ -184,8 +184,10 @@ impl ForeignVehicles {
         let by_model = self.classes_by_model(objects, cloud);
         let class_of = |(object_idx, object): (usize, &PreparedObject)| {
             let PreparedObject { points, bounding_box, class, score, .. } = object;
-            let predicted = class
-                .map(|it| if counts_as_vehicle(it) { DetectedClass::Vehicle } else { DetectedClass::Object });
+            let predicted = class.map(|it| match it.class.group() {
+                Some(ClassGroup::Vehicle) => DetectedClass::Vehicle,
+                _ => DetectedClass::Object,
+            });
             let by_model = by_model.as_ref().and_then(|it| it.get(object_idx).copied());
             let (class, decision) = match (predicted, by_model) {
                 (Some(predicted), _) => (predicted, None),
@@ -244,6 +246,8 @@ impl ForeignVehicles {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::matching::eligibility::counts_as_vehicle;
+    use reports::vocabulary::class::AnnotationClass;
     use scans::annotation::Annotation;
     use simulator::catalogue::built_in_catalogue;
     use simulator::open::{OpenOptions, open_dataset};
@@ -294,11 +298,17 @@ mod tests {
 
     #[test]
     fn the_class_is_the_detectors_if_it_predicts_one() {
-        let with = |class| FoundObject { bounding_box: Some(CAR), class, ..FoundObject::default() };
+        let with = |class: Option<AnnotationClass>| FoundObject {
+            bounding_box: Some(CAR),
+            class: class.map(ForeignClass::from),
+            ..FoundObject::default()
+        };
         let classes = [Some(AnnotationClass::Bus), Some(AnnotationClass::Misc), None].map(with);
         let output = found(classes.to_vec(), &cloud()).unwrap();
         let seen: Vec<DetectedClass> = output.detections.iter().map(|it| it.class).collect();
         assert_eq!(seen, [DetectedClass::Vehicle, DetectedClass::Object, DetectedClass::Vehicle]);
+        let given: Vec<Option<&str>> = output.detections.iter().map(|it| Some(it.given?.name())).collect();
+        assert_eq!(given, [Some("bus"), None, None]);
     }
 
     #[test]
@@ -339,8 +349,8 @@ mod tests {
         let car = cars.min_by_key(|it| it.point_indices.len()).unwrap();
         let cluster = FoundObject::of_points(car.point_indices.clone());
         let given = FoundObject { bounding_box: Some(CAR), ..cluster.clone() };
-        let pedestrian = FoundObject { class: Some(AnnotationClass::Pedestrian), ..cluster.clone() };
-        let as_car = FoundObject { class: Some(AnnotationClass::Car), ..cluster };
+        let pedestrian = FoundObject { class: Some(AnnotationClass::Pedestrian.into()), ..cluster.clone() };
+        let as_car = FoundObject { class: Some(AnnotationClass::Car.into()), ..cluster };
         let boxes_of = |mut vehicles: ForeignVehicles| {
             let mut output = DetectorOutput::default();
             let objects = vec![as_car.clone(), given.clone(), pedestrian.clone()];

@@ -249,6 +249,7 @@ mod tests {
             part: 0..beside.len(),
             n_before: 0,
             matching: config.matching,
+            class_criteria: &config.class_criteria,
             n_warmup: 0,
             n_repeats: NonZeroUsize::MIN,
             n_jobs: 2,

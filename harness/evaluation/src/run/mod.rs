@@ -6,6 +6,7 @@ pub mod config;
 pub mod foreign_files;
 pub mod detector_list;
 pub mod running_detector;
+pub mod given_classes;
 pub mod found_objects;
 #[cfg(target_os = "linux")]
 pub mod process_detector;

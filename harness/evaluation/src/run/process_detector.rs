@@ -7,6 +7,7 @@ use detector::stage_product::{Shape, StageProduct};
 use detector::{DetectedClass, Detection, PointCloud};
 use scans::annotation::LabeledScan;
 use scans::conversion::results::detection_rows::clusters_of_points;
+use scans::dataset::class_table::ClassTable;
 
 use crate::process::answer::Found;
 use crate::process::conversation::{Answered, Conversation, FIRST_SCAN_LIMIT, Goodbye};
@@ -63,12 +64,14 @@ impl ProcessDetector {
         folder: std::path::PathBuf,
         configuration: Configuration,
         vehicles: ForeignVehicles,
+        classes: ClassTable,
     ) -> Self {
         let start = StartedProgram {
             command: process.command.clone(),
             folder,
             threads: process.threads,
             start_limit: process.start_limit,
+            classes,
         };
         Self {
             name,
@@ -215,6 +218,10 @@ impl RunningDetector for ProcessDetector {
         }
         let overhead = self.time_overhead(scan, time_s);
         Ok(DetectionTime { wall: Some(wall), cpu, overhead })
+    }
+
+    fn may_give_classes(&self) -> bool {
+        true
     }
 
     fn stage_products(&self, cloud: &PointCloud) -> Vec<StageProduct> {

@@ -64,7 +64,9 @@ impl ResultsDetector {
         made.map_err(DetectorProblem::Unreadable)?;
         for it in unlikely {
             let score = it.box_score.or(it.score);
-            let vehicle = Detection::new(&[], it.bounding_box, DetectedClass::Vehicle, score);
+            let given = it.class.and_then(|it| it.given);
+            let vehicle =
+                Detection { given, ..Detection::new(&[], it.bounding_box, DetectedClass::Vehicle, score) };
             output.unlikely_vehicles.push(vehicle);
         }
         Ok(ReadScan { id: scan.id.clone(), output, official, kitti_objects, point_labels })
@@ -104,6 +106,10 @@ impl RunningDetector for ResultsDetector {
             output.clone_from(&read.output);
         }
         Ok(DetectionTime::default())
+    }
+
+    fn may_give_classes(&self) -> bool {
+        true
     }
 
     fn stage_products(&self, cloud: &PointCloud) -> Vec<StageProduct> {
@@ -168,7 +174,7 @@ mod tests {
             length_width_height_m: [1.0; 3],
             yaw_rad: 0.0,
         },
-        class: Some(AnnotationClass::Bus),
+        class: None,
         score: Some(0.5),
         box_score: None,
         is_unlikely: false,
@@ -178,10 +184,11 @@ mod tests {
     fn clusters_alone_have_their_points_and_classes() {
         let found = ForeignDetections {
             clusters: Some(vec![0, 9, 2, 9]),
-            cluster_classes: vec![None, Some(AnnotationClass::Pole)],
+            cluster_classes: vec![None, Some(AnnotationClass::Pole.into())],
             ..ForeignDetections::default()
         };
-        let pole = FoundObject { class: Some(AnnotationClass::Pole), ..FoundObject::of_points(vec![2]) };
+        let pole =
+            FoundObject { class: Some(AnnotationClass::Pole.into()), ..FoundObject::of_points(vec![2]) };
         assert_eq!(objects_of(found), [pole, FoundObject::of_points(vec![1, 3])]);
     }
 

@@ -7,14 +7,12 @@ use reports::rows::match_outcome::{AnnotationFacts, FoundBy, MatchOutcome};
 use reports::rows::match_row::MatchRow;
 use reports::rows::scan_row::{ScanNumbers, ScanOutcome, ScanRow};
 use reports::rows::stage_row::StageRow;
-use reports::vocabulary::criterion::CriterionKind;
 use reports::vocabulary::reason::IgnoredAnnotation;
 use scans::annotation::{LabeledScan, PointRegion};
 use scans::conversion::results::detection_rows::{box_facts, detection_facts};
 use scans::dataset::DatasetDescription;
 
 use super::side_by_side::DetectorScan;
-use crate::matching::criterion::Criterion;
 use crate::matching::eligibility::n_points_in;
 use crate::matching::outcome::{AnnotationOutcome, Assignment, DetectionOutcome};
 use crate::metrics::counts::{Counts, FalseDetections};
@@ -53,16 +51,11 @@ impl DetectorRows {
     /// Makes the rows of the results of a detector on a scan.
     ///
     /// Values are rounded as in the files, so that numbers made of the files equal those of the run to the last digit.
-    pub fn new(
-        dataset: &DatasetDescription,
-        criterion: Criterion,
-        of: RowsOf<'_>,
-        result: &DetectorScan,
-    ) -> Self {
+    pub fn new(dataset: &DatasetDescription, of: RowsOf<'_>, result: &DetectorScan) -> Self {
         let scan = of.scan;
         let of_task = |assignment: &Assignment| TaskRows {
             scan: scan_row(dataset, of, result, assignment).as_written(),
-            matches: match_rows(dataset, criterion.kind(), scan, result, assignment)
+            matches: match_rows(dataset, scan, result, assignment)
                 .into_iter()
                 .map(MatchRow::as_written)
                 .collect(),
@@ -98,6 +91,8 @@ pub(crate) fn scan_row(
     assignment: &Assignment,
 ) -> ScanRow {
     let counts = Counts::of(assignment);
+    // The times are those of the whole detection, and stand in the rows of all objects.
+    let time_ms = |time: Option<Duration>| time.filter(|_| assignment.task.class().is_none()).map(ms);
     let n_dropped = |reasons: &[DropReason]| {
         let dropped = result.output.dropped_clusters.iter();
         dropped.filter(|cluster| reasons.contains(&cluster.reason)).count() as u64
@@ -113,11 +108,11 @@ pub(crate) fn scan_row(
             n_points: scan.cloud.len() as u64,
             checksum,
             failure: result.failure.as_ref().map(|it| it.problem.to_string()),
-            latency_ms: result.times.first.map(ms),
-            least_latency_ms: result.times.least.map(ms),
-            reference_ms: result.times.reference.map(ms),
-            cpu_ms: result.times.cpu.map(ms),
-            overhead_ms: result.times.overhead.map(ms),
+            latency_ms: time_ms(result.times.first),
+            least_latency_ms: time_ms(result.times.least),
+            reference_ms: time_ms(result.times.reference),
+            cpu_ms: time_ms(result.times.cpu),
+            overhead_ms: time_ms(result.times.overhead),
             counts: counts.scored(FalseDetections::of(&dataset.annotated, assignment.task)),
             n_ignored_annotations: counts.n_ignored_annotations,
             n_ignored_detections: counts.n_ignored_detections,
@@ -133,7 +128,6 @@ pub(crate) fn scan_row(
 /// with the detection that found it, if there is one.
 fn match_rows(
     dataset: &DatasetDescription,
-    criterion: CriterionKind,
     scan: &LabeledScan,
     result: &DetectorScan,
     assignment: &Assignment,
@@ -180,7 +174,7 @@ fn match_rows(
         scan: scan.id.index,
         detector: result.detector.to_owned(),
         task: assignment.task,
-        criterion,
+        criterion: assignment.criterion,
         outcome,
     };
     of_annotations.chain(of_detections).map(row).collect()
@@ -213,6 +207,7 @@ mod tests {
     use reports::vocabulary::slice::Slice;
 
     use crate::matching::assign::{MatchingParams, assign};
+    use crate::matching::criterion::Criterion;
     use crate::matching::eligibility::EligibilityParams;
     use crate::run::side_by_side::DetectionTimes;
     use reports::vocabulary::class::AnnotationClass;
@@ -274,12 +269,8 @@ mod tests {
             failure: None,
             assignments: vec![assignment],
         };
-        let mut rows = DetectorRows::new(
-            &dataset(),
-            Criterion::POINTS,
-            RowsOf { scan, checksum: 7, time_s: Some(0.0) },
-            &result,
-        );
+        let mut rows =
+            DetectorRows::new(&dataset(), RowsOf { scan, checksum: 7, time_s: Some(0.0) }, &result);
         let TaskRows { scan, matches } = rows.tasks.remove(0);
         (scan, matches)
     }

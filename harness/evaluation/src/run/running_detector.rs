@@ -71,6 +71,11 @@ pub trait RunningDetector: Send {
         None
     }
 
+    /// Whether it may give the classes of its detections.
+    fn may_give_classes(&self) -> bool {
+        false
+    }
+
     /// Rules that it applies besides finding clusters.
     fn rules(&self) -> Vec<Rule> {
         Vec::new()

@@ -7,16 +7,17 @@ use std::time::Duration;
 
 use detector::DetectorOutput;
 use rayon::prelude::*;
-use reports::vocabulary::task::Task;
 use scans::annotation::{LabeledScan, ScanId};
 use scans::dataset::checksum::checksum_as_read;
 use scans::dataset::scan_times::{ScanTime, scan_times};
 use scans::dataset::{Dataset, DatasetError};
 
 use crate::matching::assign::{MatchingParams, assign};
+use crate::matching::class_criteria::ClassCriteria;
 use crate::matching::lost_points::LostPoints;
 use crate::matching::outcome::Assignment;
 use crate::process::problem::DetectorFailure;
+use crate::run::given_classes::GivesClasses;
 use crate::run::grid_write::GridWrite;
 use crate::run::running_detector::{DetectionTime, RunningDetector};
 
@@ -32,6 +33,8 @@ pub struct SideBySide<'a> {
     pub n_before: usize,
     /// How detections are judged.
     pub matching: MatchingParams,
+    /// How those of single classes are judged.
+    pub class_criteria: &'a ClassCriteria,
     /// Number of detections of the first scan, for each detector, that are thrown away before the timed ones.
     pub n_warmup: usize,
     /// How often each detector detects in each scan. With repetitions the machine disturbs the shortest time less.
@@ -65,7 +68,7 @@ pub struct DetectorScan {
     pub times: DetectionTimes,
     /// The failure, if it gave no answer.
     pub failure: Option<DetectorFailure>,
-    /// Outcomes of annotations and detections, one entry for each of [`Task::ALL`].
+    /// Outcomes of annotations and detections, one entry for each task: of [`Task::ALL`], then of classes.
     pub assignments: Vec<Assignment>,
 }
 
@@ -153,6 +156,7 @@ impl SideBySide<'_> {
         let mut is_warm = false;
         let mut reference = GridWrite::default();
         let mut outputs = vec![DetectorOutput::default(); detectors.len()];
+        let mut gives: Vec<GivesClasses> = detectors.iter().map(|it| GivesClasses::of(&**it)).collect();
         let times = scan_times(self.dataset);
         for (batch_idx, batch) in self.scan_indices[self.part.clone()].chunks(self.n_jobs.max(1)).enumerate()
         {
@@ -179,7 +183,8 @@ impl SideBySide<'_> {
                 }
                 let turns =
                     self.detect_all(run_idx, &scan, time_s, detectors, &mut outputs, &mut reference)?;
-                let results = self.results(&scan, detectors, &outputs, turns);
+                gives.iter_mut().zip(&outputs).for_each(|(gives, output)| gives.look(&output.detections));
+                let results = self.results(&scan, detectors, &outputs, &gives, turns);
                 on_scan(ScanResults { run_idx, scan: &scan, checksum, time, results: &results, detectors })?;
             }
         }
@@ -279,14 +284,20 @@ impl SideBySide<'_> {
         scan: &LabeledScan,
         detectors: &[Box<dyn RunningDetector>],
         outputs: &[DetectorOutput],
+        gives: &[GivesClasses],
         turns: Vec<Turns>,
     ) -> Vec<DetectorScan> {
         let annotated = &self.dataset.description().annotated;
-        let judge = |detector: &dyn RunningDetector, output: &DetectorOutput, has_failed: bool| {
+        let judge = |detector: &dyn RunningDetector,
+                     output: &DetectorOutput,
+                     gives: GivesClasses,
+                     has_failed: bool| {
             let products = if has_failed { Vec::new() } else { detector.stage_products(&scan.cloud) };
             let lost = LostPoints::gather(scan, &output.detections, &products);
-            let of_task = |&task| {
-                let mut assignment = assign(scan, &output.detections, task, annotated, &self.matching);
+            let of_task = |task| {
+                let criterion = self.class_criteria.of(task, self.matching.criterion);
+                let matching = MatchingParams { criterion, ..self.matching };
+                let mut assignment = assign(scan, &output.detections, task, annotated, &matching);
                 if has_failed {
                     assignment.say_that_detector_failed();
                 } else {
@@ -294,15 +305,15 @@ impl SideBySide<'_> {
                 }
                 assignment
             };
-            Task::ALL.iter().map(of_task).collect()
+            gives.tasks(scan, &output.detections).into_iter().map(of_task).collect()
         };
-        let results = detectors.iter().zip(outputs).zip(turns);
+        let results = detectors.iter().zip(outputs).zip(gives).zip(turns);
         results
-            .map(|((detector, output), turns)| DetectorScan {
+            .map(|(((detector, output), gives), turns)| DetectorScan {
                 detector: detector.name(),
                 output: output.clone(),
                 times: turns.times,
-                assignments: judge(&**detector, output, turns.failure.is_some()),
+                assignments: judge(&**detector, output, *gives, turns.failure.is_some()),
                 failure: turns.failure,
             })
             .collect()

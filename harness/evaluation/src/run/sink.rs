@@ -97,8 +97,7 @@ impl<'a> JudgedScan<'a> {
     pub fn new(watched: WatchedDataset<'a>, results: &'a ScanResults<'a>) -> Self {
         let description = watched.dataset.description();
         let scan = RowsOf { scan: results.scan, checksum: results.checksum, time_s: results.time.known_s };
-        let rows =
-            results.results.iter().map(|it| DetectorRows::new(description, watched.criterion, scan, it));
+        let rows = results.results.iter().map(|it| DetectorRows::new(description, scan, it));
         Self { watched, results, rows: rows.collect() }
     }
 
@@ -238,6 +237,7 @@ mod tests {
             scan_indices: &[3, 0, 2],
             part: 0..3,
             n_before: 0,
+            class_criteria: &config.class_criteria,
             matching: MatchingParams {
                 criterion: Criterion::POINTS,
                 eligibility: EligibilityParams::STANDARD,

@@ -10,28 +10,6 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-CLASSES = frozenset(
-    {
-        "car",
-        "van",
-        "truck",
-        "bus",
-        "pedestrian",
-        "sitting-person",
-        "cyclist",
-        "parked-cycle",
-        "tram",
-        "trailer",
-        "pole",
-        "tree",
-        "hedge",
-        "fence",
-        "street-furniture",
-        "misc",
-    }
-)
-"""scanbench's words for classes."""
-
 MAX_SIZE_M = 1000.0
 """No side of a box is longer."""
 MAX_CENTER_M = 10_000.0

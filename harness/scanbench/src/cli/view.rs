@@ -2,9 +2,8 @@
 
 use std::path::PathBuf;
 
-use clap::builder::{PossibleValuesParser, Resettable};
+use clap::builder::Resettable;
 use clap::{Args, ValueEnum};
-use reports::vocabulary::class::{AnnotationClass, DetectionClass};
 use reports::vocabulary::task::Task;
 
 use super::help_text::{DATA, MISTAKES};
@@ -33,7 +32,7 @@ pub struct ViewArgs {
     #[arg(long, value_enum, value_name = "OUTCOME")]
     pub outcome: Option<OutcomeName>,
     /// Only mistakes with this annotated or detected class
-    #[arg(long, value_name = "CLASS", value_parser = PossibleValuesParser::new(classes()))]
+    #[arg(long, value_name = "CLASS")]
     pub class: Option<String>,
     /// What is streamed to Rerun.
     #[command(flatten)]
@@ -78,8 +77,3 @@ Lists the mistakes with the most points first, each with its reason. Then runs t
 scans again with the parameters of the run and records them as worst.rrd in the run
 directory. Paths of data are those of the run: start it in the same folder. What a run
 of somebody else names is neither fetched nor started without --trust.";
-
-fn classes() -> impl Iterator<Item = &'static str> {
-    let annotated = AnnotationClass::ALL.iter().map(|it| it.name());
-    annotated.chain(DetectionClass::ALL.iter().map(|it| it.name()))
-}

@@ -288,15 +288,20 @@ pub fn stated(
     Ok(Stated::by_options(source))
 }
 
+/// The names of classes that `source` has.
+pub fn own_classes(source: &SourceArgs) -> ClassTable {
+    let mut own = ClassTable::default();
+    source.classes.iter().for_each(|it| own.insert(&it.name, it.class));
+    own
+}
+
 /// How data sets are to be opened; `source` has the last word over `of_config` about names of classes.
 pub fn open_options(source: &SourceArgs, of_config: &ClassTable) -> Result<OpenOptions, Failure> {
     if let Some(sensor) = &source.sensor {
         sensor_named(sensor)?;
     }
-    let mut own = ClassTable::default();
-    source.classes.iter().for_each(|it| own.insert(&it.name, it.class));
     Ok(OpenOptions {
-        classes: ClassRules { table: own.or(of_config), ..ClassRules::default() },
+        classes: ClassRules { table: own_classes(source).or(of_config), ..ClassRules::default() },
         format: source.format.as_deref().map(DatasetFormat::from_str).transpose()?,
         seed: source.seed,
         n_simulated_scans: source.simulated_scans,

@@ -54,7 +54,7 @@ pub fn run_manifest(settings: RunSettings<'_>) -> Manifest {
         seeds: seeds(settings.datasets),
         n_warmup_detections: settings.n_warmup.into(),
         n_repeats: settings.n_repeats.get() as u32,
-        matching_criterion: criterion_in_words(matching.criterion),
+        matching_criterion: criteria_in_words(settings.config),
         ignored: IgnoreRule {
             min_points: matching.eligibility.min_points as u32,
             max_range_m: matching.eligibility.max_range_m,
@@ -148,6 +148,15 @@ fn json(resolved: &toml::Table) -> serde_json::Value {
 }
 
 /// Words for when a detection matches an annotation.
+/// The criterion of the run, and of the classes that have one of their own, in words.
+fn criteria_in_words(config: &RunConfig) -> String {
+    let of_run = config.matching.criterion;
+    let of_classes = config.class_criteria.all(of_run);
+    let of_classes =
+        of_classes.map(|(class, criterion)| format!("; {class}: {}", criterion_in_words(criterion)));
+    criterion_in_words(of_run) + &of_classes.collect::<String>()
+}
+
 pub fn criterion_in_words(criterion: Criterion) -> String {
     match criterion {
         Criterion::Points { min_iou } => format!("points, IoU at least {min_iou}"),

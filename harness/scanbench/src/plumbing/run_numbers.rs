@@ -11,8 +11,8 @@ use reports::protocols::protocol_report::ProtocolReport;
 use reports::rows::agreement_row::AgreementRow;
 use reports::run_folder::manifest::Manifest;
 use reports::run_folder::run_directory::{
-    AGREEMENT_CSV, ERRORS_CSV, PRECISION_RECALL_CSV, PROTOCOLS_JSON, REPORT_JSON, RunDirectory,
-    TIMES_OF_PROCESSORS_CSV,
+    AGREEMENT_CSV, CONFUSION_CSV, ERRORS_CSV, PRECISION_RECALL_CSV, PROTOCOLS_JSON, REPORT_JSON,
+    RunDirectory, TIMES_OF_PROCESSORS_CSV,
 };
 use reports::run_folder::run_target::MANIFEST_JSON;
 use reports::tables::agreement_table::AgreementOfDetectors as AgreementOfDetectorsTable;
@@ -43,6 +43,12 @@ pub fn write_facts(directory: &RunDirectory, facts: &RunFacts) -> Result<(), Fai
     }
     directory.write_file(PRECISION_RECALL_CSV, &to_csv_bytes(&facts.tally.precision_recall_rows())?)?;
     directory.write_file(ERRORS_CSV, &to_csv_bytes(&facts.errors)?)?;
+    for table in &facts.classes {
+        write_table(directory, &table.file_stem(), table)?;
+    }
+    if !facts.confusion.is_empty() {
+        directory.write_file(CONFUSION_CSV, &to_csv_bytes(&facts.confusion)?)?;
+    }
     Ok(RunPage::of(facts).write(directory.folder())?)
 }
 

@@ -105,6 +105,7 @@ impl<'a> WatchedRun<'a> {
             part: opened.part.clone(),
             n_before,
             matching: first.config.matching,
+            class_criteria: &first.config.class_criteria,
             n_warmup: self.n_warmup.into(),
             n_repeats: self.n_repeats,
             n_jobs: self.n_jobs,

@@ -16,13 +16,37 @@ use crate::plumbing::failure::{Failure, NothingEvaluated};
 use crate::plumbing::open_datasets::OpenedDataset;
 use crate::plumbing::progress::progress_over_scans;
 
-/// Name of the detector that the echoed labels are said to be of.
-const ECHO: &str = "labels";
+/// Ways in which labels are fed back.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Echo {
+    /// As results of others are read.
+    Results,
+    /// As detections with classes of a detector that runs here: without velocities and attributes.
+    Detections,
+}
+
+impl Echo {
+    const ALL: [Self; 2] = [Self::Results, Self::Detections];
+
+    /// Name of the detector that the labels are said to be of.
+    fn name(self) -> &'static str {
+        match self {
+            Self::Results => "labels",
+            Self::Detections => "labels as detections",
+        }
+    }
+
+    /// Whether it gives the best value of `metric`.
+    fn gives(self, metric: &ProtocolMetric) -> bool {
+        self == Self::Results || metric.id.split('_').any(|it| it == "ap")
+    }
+}
 
 /// One data set and protocol.
 pub struct CheckedProtocol {
     dataset: String,
     protocol: Protocol,
+    echo: Echo,
     n_numbers: usize,
     // Numbers that are not the best there is.
     imperfect: Vec<(ProtocolMetric, f64)>,
@@ -39,9 +63,10 @@ impl CheckedProtocol {
 
 impl std::fmt::Display for CheckedProtocol {
     fn fmt(&self, formatter: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        let Self { dataset, protocol, n_numbers, imperfect, n_beyond_number } = self;
+        let Self { dataset, protocol, echo, n_numbers, imperfect, n_beyond_number } = self;
         let verdict = if self.is_perfect() { "ok" } else { "FAILED" };
-        write!(formatter, "{verdict:<6} {dataset}, protocol {protocol}: ")?;
+        let as_detections = if *echo == Echo::Detections { ", as a detector's classes" } else { "" };
+        write!(formatter, "{verdict:<6} {dataset}, protocol {protocol}{as_detections}: ")?;
         if *n_beyond_number > 0 {
             return write!(
                 formatter,
@@ -66,12 +91,13 @@ pub fn check_protocols(
     let id = &opened.dataset.description().id;
     let echoes = EchoedLabels::of(opened, policy, &chosen, protocols)?;
     let checks = echoes.checked(id, protocols);
-    if let Some(nothing) = checks.iter().find(|it| it.n_numbers == 0) {
+    if let Some(nothing) = checks.iter().find(|it| it.n_numbers == 0 && it.echo == Echo::Results) {
         let reason =
             format!("no label of {id:?} that counts has a class of the protocol {}", nothing.protocol);
         return Err(NothingEvaluated { reason }.into());
     }
-    Ok(checks)
+    // Protocols of labels of points do not look at boxes.
+    Ok(checks.into_iter().filter(|it| it.n_numbers > 0).collect())
 }
 
 /// Tally of the echoed labels of some scans.
@@ -111,8 +137,9 @@ impl EchoedLabels {
     }
 
     fn add(&mut self, scan: &ScanUnderProtocols<'_>, protocols: &[Protocol]) {
-        let rows = scan.echoed_rows(ECHO);
+        let rows = scan.echoed_rows(Echo::Results.name());
         self.tally.add(&rows);
+        self.tally.add(&scan.echoed_detections(Echo::Detections.name()));
         self.names.push(scan.name().clone());
         for (protocol, n) in protocols.iter().zip(&mut self.n_beyond_number) {
             *n += n_beyond_number(&rows, *protocol);
@@ -122,18 +149,20 @@ impl EchoedLabels {
     fn checked(self, id: &str, protocols: &[Protocol]) -> Vec<CheckedProtocol> {
         let scans = DrawnScans::undrawn(self.names);
         let checks = protocols.iter().zip(self.n_beyond_number);
-        checks.map(|(protocol, n)| checked(id, *protocol, n, &self.tally, &scans)).collect()
+        let checks = checks.flat_map(|(protocol, n)| Echo::ALL.map(|echo| (protocol, n, echo)));
+        checks.map(|(protocol, n, echo)| checked(id, *protocol, echo, n, &self.tally, &scans)).collect()
     }
 }
 
 fn checked(
     dataset: &str,
     protocol: Protocol,
+    echo: Echo,
     n_beyond_number: usize,
     tally: &ProtocolTally,
     scans: &DrawnScans,
 ) -> CheckedProtocol {
-    let rows = tally.rows(ProtocolQuestion { protocol, detector: ECHO }, scans);
+    let rows = tally.rows(ProtocolQuestion { protocol, detector: echo.name() }, scans);
     let values: Vec<(ProtocolMetric, f64)> = rows.map_or_else(Vec::new, |it| {
         let values = it.values(&vec![1; scans.names().len()]);
         it.metrics().into_iter().zip(values).filter_map(|(metric, value)| Some((metric, value?))).collect()
@@ -149,7 +178,8 @@ fn checked(
             metric.class != ALL_CLASSES || !of_present.contains(&metric.id)
         }
     };
-    let values: Vec<(ProtocolMetric, f64)> = values.into_iter().filter(|(it, _)| is_asked(it)).collect();
+    let is_given = |metric: &ProtocolMetric| is_asked(metric) && echo.gives(metric);
+    let values: Vec<(ProtocolMetric, f64)> = values.into_iter().filter(|(it, _)| is_given(it)).collect();
     let n_numbers = values.len();
     let is_best = |(metric, value): &(ProtocolMetric, f64)| match metric.direction {
         Direction::HigherIsBetter => *value == 1.0,
@@ -157,5 +187,5 @@ fn checked(
         Direction::Neither => true,
     };
     let imperfect = values.into_iter().filter(|it| !is_best(it)).collect();
-    CheckedProtocol { dataset: dataset.to_owned(), protocol, n_numbers, imperfect, n_beyond_number }
+    CheckedProtocol { dataset: dataset.to_owned(), protocol, echo, n_numbers, imperfect, n_beyond_number }
 }

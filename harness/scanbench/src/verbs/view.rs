@@ -1,7 +1,12 @@
 //! `scanbench view`.
 
+use std::collections::BTreeSet;
+
+use reports::rows::match_outcome::MatchOutcome;
+use reports::rows::match_row::MatchRow;
 use reports::run_folder::command_line::shell_word;
 use reports::run_folder::run_target::MANIFEST_JSON;
+use reports::vocabulary::class::{AnnotationClass, DetectionClass};
 use reports::vocabulary::reason::MistakeKind;
 use reports::worst::mistakes::{MistakeChoice, worst, worst_to_terminal};
 
@@ -35,6 +40,13 @@ pub fn view(arguments: &ViewArgs) -> Result<(), Failure> {
         ))
         .into());
     }
+    if let Some(name) = arguments.class.as_deref().filter(|it| !is_class(it)) {
+        return Err(Usage(format!(
+            "the run has no class {name:?}; its classes are {}",
+            classes_of(&run.matches)
+        ))
+        .into());
+    }
     let choice = MistakeChoice {
         detector,
         task: arguments.task.task(),
@@ -50,4 +62,22 @@ pub fn view(arguments: &ViewArgs) -> Result<(), Failure> {
     }
     print_text(&worst_to_terminal(&mistakes))?;
     record(arguments, &run.manifest, &mistakes)
+}
+
+/// Whether it is the name of a class, or a word of detectors that give none.
+fn is_class(name: &str) -> bool {
+    let kinds = [DetectionClass::Object, DetectionClass::Vehicle].map(DetectionClass::name);
+    kinds.contains(&name) || AnnotationClass::met(name).is_some()
+}
+
+/// The annotated classes, separated by commas.
+fn classes_of(matches: &[MatchRow]) -> String {
+    let annotated = matches.iter().filter_map(|row| match &row.outcome {
+        MatchOutcome::Matched { annotation, .. } | MatchOutcome::Missed { annotation, .. } => {
+            Some(annotation.class)
+        }
+        _ => None,
+    });
+    let classes: BTreeSet<&str> = annotated.map(AnnotationClass::name).collect();
+    classes.into_iter().collect::<Vec<_>>().join(", ")
 }

@@ -207,6 +207,7 @@ impl RunAgain {
                 part: 0..1,
                 n_before: number,
                 matching: config.matching,
+                class_criteria: &config.class_criteria,
                 n_warmup: n_warmup.into(),
                 n_repeats: NonZeroUsize::MIN,
                 n_jobs: 1,

@@ -29,6 +29,7 @@ mod odd_detector;
 #[cfg(target_os = "linux")]
 mod foreign_detectors;
 mod results_of_others;
+mod classes;
 mod shards;
 mod going_on;
 mod start_up;

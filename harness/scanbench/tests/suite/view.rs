@@ -53,7 +53,7 @@ fn what_cannot_be_viewed_is_said() {
         ),
         (&["compare", ".", "run"], 2, ". is not the directory of a run: it has no manifest.json"),
         (&["report", "."], 2, ". is not the directory of a run: it has no manifest.json"),
-        (&["view", "run", "--class", "boat"], 2, "[possible values: car, van, truck"),
+        (&["view", "run", "--class", "boat"], 2, "the run has no class \"boat\""),
         (&["view", "run", "--class", "tram"], 4, "the run has no mistakes of this kind"),
     ] {
         workplace.end_with(arguments, code, &[message]);

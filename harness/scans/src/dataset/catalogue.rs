@@ -428,7 +428,7 @@ url = "https://example.org"
         check_refused("1.8", "-1.8", 7, "sensor_height_m is -1.8");
         check_refused("1.8", "nan", 7, "sensor_height_m is NaN");
         check_refused("1.8", "\"high\"", 7, "high");
-        check_refused("\"van\"", "\"wan\"", 6, "unknown variant `wan`");
+        check_refused("\"van\"", "\"wan\"", 6, "\"wan\" is not a class; classes are car");
         check_refused(r#"["van", "car"]"#, "\"everything\"", 6, "\"everything\"");
         check_refused(r#"["van", "car"]"#, "[]", 6, "at least one class");
         check_refused(

@@ -7,7 +7,7 @@ use reports::vocabulary::class::AnnotationClass;
 pub fn class_named(name: &str) -> Option<AnnotationClass> {
     use AnnotationClass as Class;
     let name = plain_name(name);
-    if let Some(class) = Class::ALL.into_iter().find(|class| class.name() == name) {
+    if let Some(class) = Class::from_name(&name) {
         return Some(class);
     }
     Some(match name.as_str() {
@@ -48,6 +48,8 @@ pub fn class_named(name: &str) -> Option<AnnotationClass> {
         "sign" | "stop-sign" | "traffic-sign" | "traffic-light" | "lamp-post" => Class::Pole,
         "trunk" => Class::Tree,
         "bollard"
+        | "traffic-cone"
+        | "barrier"
         | "construction-cone"
         | "construction-barrel"
         | "movable-object-barrier"
@@ -58,7 +60,7 @@ pub fn class_named(name: &str) -> Option<AnnotationClass> {
         | "mobile-pedestrian-crossing-sign"
         | "streetfurniture" => Class::StreetFurniture,
         // Classes that the makers of data sets label and we do not have.
-        "animal" | "dog" | "vehicle-construction" => Class::Misc,
+        "animal" | "dog" | "vehicle-construction" | "construction-vehicle" => Class::Misc,
         _ => return None,
     })
 }
@@ -212,8 +214,21 @@ mod tests {
             "Tram",
             "Misc",
         ];
-        let official = NUSCENES.split(' ').chain(ARGOVERSE_2.split(' ')).chain(KITTI);
-        assert_eq!(official.clone().count(), 63);
+        // The names of results, where they are others.
+        const NUSCENES_RESULTS: [&str; 10] = [
+            "car",
+            "truck",
+            "bus",
+            "trailer",
+            "construction_vehicle",
+            "pedestrian",
+            "motorcycle",
+            "bicycle",
+            "traffic_cone",
+            "barrier",
+        ];
+        let official = NUSCENES.split(' ').chain(ARGOVERSE_2.split(' ')).chain(KITTI).chain(NUSCENES_RESULTS);
+        assert_eq!(official.clone().count(), 73);
         for name in official {
             assert!(class_named(name).is_some(), "{name}");
         }

@@ -38,6 +38,26 @@ impl ClassTable {
         self.by_name.get(&plain_name(name)).map(|(_, class)| *class)
     }
 
+    /// The class that a detector calls `word`: by this table, or by the names that are known. `object` is none of them.
+    ///
+    /// # Errors
+    ///
+    /// A sentence with the lines that would make the word known.
+    pub fn class_of_detection(&self, word: &str) -> Result<AnnotationClass, String> {
+        if plain_name(word) == "object" {
+            return Ok(AnnotationClass::Misc);
+        }
+        self.get(word).or_else(|| class_named(word)).ok_or_else(|| {
+            let (key, likeliest) = (serde_json::Value::from(word), likeliest_class(word).name());
+            let own = plain_name(word);
+            format!(
+                "{word:?} is not a class; classes are {}; give it one in scanbench.toml, with the line\n  {key} = \"{likeliest}\"\n\
+                 under [classes], or as a class of your own, with\n  [class.{own}]",
+                all_classes()
+            )
+        })
+    }
+
     /// The names as they were written, each with its class.
     pub fn written(&self) -> BTreeMap<String, AnnotationClass> {
         self.by_name.values().cloned().collect()
@@ -49,7 +69,8 @@ pub fn class_of_word(word: &str) -> Result<AnnotationClass, String> {
     class_named(word).ok_or_else(|| format!("{word:?} is not a class; classes are {}", all_classes()))
 }
 
-fn all_classes() -> String {
+/// The names of our classes, separated by commas.
+pub(super) fn all_classes() -> String {
     AnnotationClass::ALL.map(AnnotationClass::name).join(", ")
 }
 
@@ -223,6 +244,14 @@ impl UnknownClasses {
             let key = serde_json::Value::from(written.as_str());
             writeln!(text, "  {key} = \"{}\"", likeliest_class(written).name()).expect(ENDLESS);
         }
+        let own: Vec<String> =
+            self.by_name.values().map(|it| format!("[class.{}]", plain_name(&it.written))).collect();
+        writeln!(
+            text,
+            "or make classes of your own of them in the file of -c or scanbench.toml\n  {}",
+            own.join("  ")
+        )
+        .expect(ENDLESS);
         write!(text, "classes are {}; objects of misc are ignored in the task vehicles", all_classes())
             .expect(ENDLESS);
         text

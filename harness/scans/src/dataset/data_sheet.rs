@@ -124,7 +124,7 @@ mod tests {
             ("1.8", "\"high\"", "invalid type"),
             ("\"sensor\"", "\"sensors\"", "unknown field `sensors`"),
             ("vlp-16", "vlp\\u001b[31m", "\"vlp\\u{1b}[31m\" has a control character"),
-            ("parked-cycle", "unicycle", "unknown variant `unicycle`"),
+            ("parked-cycle", "unicycle", "\"unicycle\" is not a class; classes are car"),
         ] {
             std::fs::write(folder.path().join(DATA_SHEET), sheet().to_json().replace(from, to)).unwrap();
             let message = DataSheet::in_folder(folder.path()).expect_err("a mistake").to_string();

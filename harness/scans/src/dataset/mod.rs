@@ -259,6 +259,7 @@ impl AnnotatedClasses {
             (Self::EveryObject, _) => true,
             (Self::Only(_), Task::Objects) => false,
             (Self::Only(classes), Task::Vehicles) => classes.contains(&AnnotationClass::Car),
+            (Self::Only(classes), Task::Class(class)) => classes.contains(&class),
         }
     }
 }

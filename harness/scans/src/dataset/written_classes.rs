@@ -9,6 +9,7 @@ use serde::de::{Error as _, SeqAccess, Unexpected, Visitor};
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
 use super::AnnotatedClasses;
+use super::class_table::all_classes;
 
 /// The word for all objects.
 const EVERY_OBJECT: &str = "every-object";
@@ -25,6 +26,20 @@ impl Serialize for AnnotatedClasses {
 impl<'de> Deserialize<'de> for AnnotatedClasses {
     fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
         deserializer.deserialize_any(AnnotatedClassesVisitor)
+    }
+}
+
+/// A class of ours or of the user, by its name.
+#[derive(PartialEq, Eq, PartialOrd, Ord)]
+struct KnownClass(AnnotationClass);
+
+impl<'de> Deserialize<'de> for KnownClass {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        let name = String::deserialize(deserializer)?;
+        let known = AnnotationClass::from_name(&name).map(Self);
+        known.ok_or_else(|| {
+            D::Error::custom(format!("{name:?} is not a class; classes are {}", all_classes()))
+        })
     }
 }
 
@@ -45,10 +60,10 @@ impl<'de> Visitor<'de> for AnnotatedClassesVisitor {
     }
 
     fn visit_seq<A: SeqAccess<'de>>(self, list: A) -> Result<AnnotatedClasses, A::Error> {
-        let classes: BTreeSet<AnnotationClass> = Deserialize::deserialize(SeqAccessDeserializer::new(list))?;
+        let classes: BTreeSet<KnownClass> = Deserialize::deserialize(SeqAccessDeserializer::new(list))?;
         if classes.is_empty() {
             return Err(A::Error::invalid_length(0, &"at least one class"));
         }
-        Ok(AnnotatedClasses::Only(classes.into_iter().collect()))
+        Ok(AnnotatedClasses::Only(classes.into_iter().map(|it| it.0).collect()))
     }
 }

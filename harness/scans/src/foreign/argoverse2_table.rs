@@ -19,6 +19,7 @@ use crate::dataset::feather::FeatherTable;
 use crate::dataset::foreign_frame::ForeignFrame;
 use crate::dataset::official::{OfficialObject, UNLIKELY};
 use crate::dataset::upright_box::upright_box;
+use crate::foreign::foreign_class::ForeignClass;
 
 /// The ending of the files.
 pub const ENDING: &str = ".feather";
@@ -132,7 +133,7 @@ impl ResultReader for Argoverse2Tables {
         let found = self.found.get(&scan_idx).map_or(&[][..], Vec::as_slice);
         let boxes = found.iter().map(|it| ForeignBox {
             bounding_box: upright_box(&(sensor_from_car * it.car_from_box), it.length_width_height_m),
-            class: Some(it.class),
+            class: Some(ForeignClass::of(&it.category, it.class)),
             score: Some(it.score as f32),
             box_score: None,
             is_unlikely: it.is_unlikely,

@@ -1,11 +1,10 @@
 //! Detections of another program in one scan.
 
-use detector::OrientedBox;
-use reports::vocabulary::class::AnnotationClass;
-
 use crate::dataset::kitti::label::KittiObject;
 use crate::dataset::official::OfficialObject;
 use crate::dataset::positioned_points::MAX_COORDINATE_M;
+use crate::foreign::foreign_class::ForeignClass;
+use detector::OrientedBox;
 
 /// A longer side of a box is damage, in metres.
 pub const MAX_SIDE_M: f32 = 1000.0;
@@ -19,7 +18,7 @@ pub struct ForeignDetections {
     /// there are only boxes.
     pub clusters: Option<Vec<u32>>,
     /// The class of cluster *k* at index *k* − 1, if clusters have classes; empty if they have none, or boxes have them.
-    pub cluster_classes: Vec<Option<AnnotationClass>>,
+    pub cluster_classes: Vec<Option<ForeignClass>>,
     /// The boxes; if there are clusters, that of cluster *k* at index *k* − 1.
     pub boxes: Vec<ForeignBox>,
     /// The lines of `boxes` in KITTI's files, to the last digit; `None` for other files.
@@ -35,8 +34,8 @@ pub struct ForeignDetections {
 pub struct ForeignBox {
     /// The box, in the frame of the scan.
     pub bounding_box: OrientedBox,
-    /// Its class. [`AnnotationClass::Misc`] is known to be none of the others; `None` if the file has no class.
-    pub class: Option<AnnotationClass>,
+    /// Its class; `None` if the file has no class.
+    pub class: Option<ForeignClass>,
     /// How sure the program is; more is surer.
     pub score: Option<f32>,
     /// How sure it is of the box, if files have a score for this as well.
@@ -100,6 +99,7 @@ impl ForeignBox {
 #[cfg(test)]
 pub(crate) mod tests {
     use super::*;
+    use reports::vocabulary::class::AnnotationClass;
 
     /// A car ahead.
     pub(crate) fn car() -> ForeignBox {
@@ -109,7 +109,7 @@ pub(crate) mod tests {
                 length_width_height_m: [4.2, 1.8, 1.5],
                 yaw_rad: 0.5,
             },
-            class: Some(AnnotationClass::Car),
+            class: Some(AnnotationClass::Car.into()),
             score: Some(0.5),
             box_score: None,
             is_unlikely: false,

@@ -129,7 +129,7 @@ impl ResultReader for KittiText {
 fn box_of(object: &KittiObject, velodyne_from_camera: &Matrix4<f64>) -> ForeignBox {
     ForeignBox {
         bounding_box: box_in_velodyne(&object.camera_box, velodyne_from_camera),
-        class: Some(object.class),
+        class: Some(object.class.into()),
         score: object.score.map(|it| it as f32),
         box_score: None,
         is_unlikely: object.in_image.occlusion == UNLIKELY_OCCLUSION,

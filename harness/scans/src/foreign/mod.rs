@@ -3,6 +3,7 @@
 //! A format is a file here with a type that implements [`ResultReader`](result_reader::ResultReader);
 //! [`open_results`](foreign_results::open_results) recognises the format and checks the detections.
 
+pub mod foreign_class;
 pub mod detections;
 pub mod points_in_boxes;
 pub mod result_files;

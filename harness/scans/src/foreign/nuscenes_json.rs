@@ -28,6 +28,7 @@ use crate::dataset::official::OfficialObject;
 use crate::dataset::pose::pose;
 use crate::dataset::python_json::{check_finite, number_or_none, numbers, numbers_or_none, python_json};
 use crate::dataset::upright_box::upright_box;
+use crate::foreign::foreign_class::ForeignClass;
 
 /// The names of the detection task that differ from those of the labels.
 pub const NUSCENES_VOCABULARY: &Vocabulary = &[
@@ -148,9 +149,10 @@ impl BoxRecord {
         let sensor_from_box = sensor_from_world * pose(self.translation, self.rotation)?;
         let is_ridden =
             class == AnnotationClass::ParkedCycle && self.attribute_name.as_deref() == Some(WITH_RIDER);
+        let class = if is_ridden { AnnotationClass::Cyclist } else { class };
         Ok(ForeignBox {
             bounding_box: upright_box(&sensor_from_box, [length_m, width_m, height_m]),
-            class: Some(if is_ridden { AnnotationClass::Cyclist } else { class }),
+            class: Some(ForeignClass::of(&self.detection_name, class)),
             score: self.detection_score.map(|it| it as f32),
             box_score: None,
             is_unlikely: self.unlikely,

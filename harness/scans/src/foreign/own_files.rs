@@ -26,6 +26,7 @@ use crate::dataset::class_table::{ClassReader, ClassRules, Vocabulary};
 use crate::dataset::on_disk::bytes_of;
 use crate::dataset::positioned_points::values_of_kept;
 use crate::dataset::semantic_kitti::label_file::parse_label_file;
+use crate::foreign::foreign_class::ForeignClass;
 
 /// The endings of the files. A file with the last one may be of either kind.
 pub const ENDINGS: [&str; 4] = [".u32", ".clusters.csv", ".boxes.csv", ".csv"];
@@ -213,7 +214,7 @@ impl BoxColumns {
                 let Some(class) = classes.class_of(name, || format!("{path:?}, row {row}")) else {
                     return Ok(None);
                 };
-                Some(class)
+                Some(ForeignClass::of(name, class))
             }
         };
         let bounding_box = OrientedBox {
@@ -260,8 +261,9 @@ mod tests {
             "{HEADER}\n1,vehicle,0.5,10,-3,-0.9,4.2,1.8,1.5,0.5,12\n2,object,,1,2,3,1,1,1,0,0\n3,,,1,2,3,1,1,1,0,0\n"
         );
         let Ok(Part::Boxes(boxes)) = parse(&text) else { panic!("{:?}", parse(&text)) };
-        assert_eq!(boxes[0], crate::foreign::detections::tests::car());
-        assert_eq!((boxes[1].class, boxes[1].score), (Some(AnnotationClass::Misc), None));
+        let vehicle = Some(ForeignClass::of("vehicle", AnnotationClass::Car));
+        assert_eq!(boxes[0], ForeignBox { class: vehicle, ..crate::foreign::detections::tests::car() });
+        assert_eq!((boxes[1].class, boxes[1].score), (Some(AnnotationClass::Misc.into()), None));
         assert_eq!(boxes[2].class, None);
         let least = format!("{}\n10,-3,-0.9,4.2,1.8,1.5,0.5\n", BOX_COLUMNS.join(","));
         let Ok(Part::Boxes(least)) = parse(&least) else { panic!("{:?}", parse(&least)) };

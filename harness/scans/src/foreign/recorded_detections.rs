@@ -25,6 +25,7 @@ use crate::dataset::mcap::recorded_messages::{Channel, RecordedMessages};
 use crate::dataset::mcap::scene_objects::SceneObject;
 use crate::dataset::mcap::topics::{DetectionChannels, MessageKind, choose_detections};
 use crate::dataset::time_pairs::{Moment, TimePairs, times_ns};
+use crate::foreign::foreign_class::ForeignClass;
 
 /// The frame of scans that are not recorded, as `data convert` names it.
 const SENSOR_FRAME: &str = "lidar";
@@ -132,7 +133,10 @@ impl RecordedDetections {
         for object in objects {
             let class = match object.class_name.as_str() {
                 "" => None,
-                name => classes.class_of(name, || position.to_string()),
+                name => {
+                    let class = classes.class_of(name, || position.to_string());
+                    class.map(|it| ForeignClass::of(name, it))
+                }
             };
             let frame = if object.frame.is_empty() { &scan.frame } else { &object.frame };
             let frame_from_object = tree.to_from(&scan.frame, frame).ok_or_else(|| {

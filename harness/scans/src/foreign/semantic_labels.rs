@@ -17,6 +17,7 @@ use crate::dataset::class_table::{ClassReader, ClassRules};
 use crate::dataset::semantic_kitti::ground_truth::class_of_number;
 use crate::dataset::semantic_kitti::label_file::read_labels_of_kept;
 use crate::dataset::semantic_kitti::semantic_class::SemanticClass;
+use crate::foreign::foreign_class::ForeignClass;
 
 /// The ending of the files.
 pub const ENDING: &str = ".label";
@@ -72,7 +73,7 @@ fn clusters_of(labels: &[u32], path: &Path, classes: &mut ClassReader<'_>) -> Fo
     for (instance, votes) in votes {
         // Of equal counts the first in the order of classes, so that the result is always the same.
         let most = votes.iter().max_by(|a, b| a.1.cmp(b.1).then(b.0.cmp(a.0)));
-        cluster_classes[instance as usize - 1] = most.and_then(|(class, _)| *class);
+        cluster_classes[instance as usize - 1] = most.and_then(|(class, _)| *class).map(ForeignClass::from);
     }
     ForeignDetections { clusters: Some(clusters), cluster_classes, ..ForeignDetections::default() }
 }
@@ -92,7 +93,7 @@ mod tests {
         let found = clusters_of(&labels, Path::new("a.label"), &mut classes);
         assert_eq!(found.clusters, Some(vec![0, 3, 3, 3, 0, 1, 3, 9]));
         let mut expected = [None; 9];
-        (expected[0], expected[2]) = (Some(AnnotationClass::Pole), Some(AnnotationClass::Car));
+        (expected[0], expected[2]) = (Some(AnnotationClass::Pole.into()), Some(AnnotationClass::Car.into()));
         assert_eq!(found.cluster_classes, expected);
         assert!(classes.unknown().is_empty());
         assert_eq!(found.check(labels.len()), Ok(()));

@@ -42,7 +42,7 @@ pub fn assign(
     let exclusions = exclusions(scan, task, params.criterion, &params.eligibility);
     let admissible = params.criterion.admissible_pairs(scan, detections, &overlap);
     let ranks = detection_ranks(detections);
-    let is_asked: Vec<bool> = detections.iter().map(|it| asks_for(task, it.class)).collect();
+    let is_asked: Vec<bool> = detections.iter().map(|it| asks_for(task, &it)).collect();
     let counts =
         |pair: &AdmissiblePair| is_asked[pair.detection_idx] && exclusions[pair.annotation_idx].is_none();
     let matched = match_by_rank(&admissible, &ranks, counts);
@@ -59,6 +59,7 @@ pub fn assign(
     let scene = Scene { scan, detections, task, is_asked, overlap, exclusions, admissible };
     Assignment {
         task,
+        criterion: params.criterion.kind(),
         annotations: scene.annotation_outcomes(&matched),
         detections: scene.detection_outcomes(&matched, &found_tall, annotated, &params.eligibility),
         found_tall: found_tall.into_iter().map(found_tall_of).collect(),

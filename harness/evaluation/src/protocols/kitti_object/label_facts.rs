@@ -4,7 +4,8 @@ use detector::{DetectedClass, DetectorOutput};
 use nalgebra::{Matrix3x4, Matrix4};
 use reports::protocols::kitti_object::scan::{KittiAnnotation, KittiDetection};
 use reports::rows::kitti_object_row::{KittiBox, KittiFact};
-use reports::vocabulary::class::AnnotationClass;
+use reports::vocabulary::class::{AnnotationClass, DetectionClass};
+use scans::conversion::results::detection_rows::detection_class;
 use scans::dataset::foreign_frame::ForeignFrame;
 use scans::dataset::kitti::box_in_velodyne::box_in_camera;
 use scans::dataset::kitti::image_box::image_box;
@@ -27,8 +28,8 @@ pub fn facts_of_results(labels: &[KittiLabel], found: &[KittiObject]) -> Vec<Kit
     facts_of(labels, &detections)
 }
 
-/// Facts of a scan with these labels and the output of a detector, in the frame of the sensor. Vehicles are cars, the
-/// unlikely ones, too, since scores rank them; other objects have no evaluated class. The rectangle in the image is that
+/// Facts of a scan with these labels and the output of a detector, in the frame of the sensor, by the classes that the
+/// detector gives. Vehicles without one are cars, the unlikely ones, too, since scores rank them. The rectangle in the image is that
 /// around the corners of the box.
 ///
 /// `None` if the scan has no camera.
@@ -42,9 +43,16 @@ pub fn facts_of_detections(
     };
     let camera =
         Camera { velodyne: velodyne_from_camera, image_from_velodyne, image_size_px: *image_size_px };
-    let vehicles = output.detections.iter().filter(|it| it.class == DetectedClass::Vehicle);
-    let vehicles = vehicles.chain(output.unlikely_vehicles.iter());
-    let detections: Vec<KittiDetection> = vehicles.map(|it| camera.car(&it)).collect();
+    let all = output.detections.iter().chain(output.unlikely_vehicles.iter());
+    let detections = all.filter_map(|it| {
+        let class = match (detection_class(&it), it.class) {
+            (DetectionClass::Given(class), _) => class,
+            (_, DetectedClass::Vehicle) => AnnotationClass::Car,
+            (_, DetectedClass::Object) => return None,
+        };
+        Some(camera.detection(&it, class))
+    });
+    let detections: Vec<KittiDetection> = detections.collect();
     Some(facts_of(labels, &detections))
 }
 
@@ -56,12 +64,12 @@ struct Camera<'a> {
 }
 
 impl Camera<'_> {
-    fn car(&self, it: &detector::Detection<'_>) -> KittiDetection {
+    fn detection(&self, it: &detector::Detection<'_>, class: AnnotationClass) -> KittiDetection {
         let camera_box = box_in_camera(&it.bounding_box, self.velodyne);
         let CameraBox { bottom_center_m, height_width_length_m, rotation_y_rad } = camera_box;
         let in_image = image_box(&it.bounding_box, self.image_from_velodyne, self.image_size_px);
         let object = KittiBox {
-            class: AnnotationClass::Car,
+            class,
             left_top_right_bottom_px: in_image.unwrap_or(UNSEEN_PX),
             // Relative to the ray to the object, not to the axis of the camera.
             alpha_rad: rotation_y_rad - bottom_center_m[0].atan2(bottom_center_m[2]),

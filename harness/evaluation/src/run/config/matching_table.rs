@@ -1,11 +1,15 @@
 //! How detections are judged, as a table of the configuration.
 
+use std::collections::BTreeMap;
+
 use detector::params::ParamsError;
 use detector::params::bounds::{Bounds, check_bounds};
 use reports::vocabulary::criterion::CriterionKind;
 use serde::Deserialize;
+use serde::de::Error as _;
 
 use crate::matching::assign::MatchingParams;
+use crate::matching::class_criteria::{ClassCriteria, ClassRule};
 use crate::matching::criterion::Criterion;
 use crate::matching::eligibility::EligibilityParams;
 
@@ -28,6 +32,9 @@ struct MatchingTable {
     min_points: usize,
     max_range_m: f64,
     tall_above_ground_m: f64,
+    /// Criteria of single classes.
+    #[serde(default)]
+    class: BTreeMap<String, ClassRule>,
 }
 
 /// Bounds of reasonable values.
@@ -39,7 +46,7 @@ pub(super) const MATCHING_BOUNDS: &[Bounds] = &[
 ];
 
 /// Reads the parameters of a complete TOML document.
-pub(super) fn matching_from(text: &str) -> Result<MatchingParams, ParamsError> {
+pub(super) fn matching_from(text: &str) -> Result<(MatchingParams, ClassCriteria), ParamsError> {
     let table: MatchingTable = toml::from_str(text)?;
     check_bounds(&toml::from_str(text)?, MATCHING_BOUNDS)?;
     let criterion = match table.criterion {
@@ -53,5 +60,6 @@ pub(super) fn matching_from(text: &str) -> Result<MatchingParams, ParamsError> {
         max_range_m: table.max_range_m,
         tall_above_ground_m: table.tall_above_ground_m,
     };
-    Ok(MatchingParams { criterion, eligibility })
+    let class_criteria = ClassCriteria::new(table.class).map_err(toml::de::Error::custom)?;
+    Ok((MatchingParams { criterion, eligibility }, class_criteria))
 }

@@ -2,7 +2,9 @@
 
 use std::path::Path;
 
+use reports::vocabulary::class::{AnnotationClass, ClassGroup};
 use scans::dataset::class_table::{ClassTable, class_of_word};
+use serde::Deserialize;
 use toml::de::DeTable;
 use toml::{Table, Value};
 
@@ -14,6 +16,20 @@ use crate::run::foreign_detector::ForeignDetector;
 
 /// The table of class names, which are no parameters.
 pub(super) const CLASSES: &str = "classes";
+
+/// The table of classes of the user, which are no parameters either.
+pub(super) const OWN_CLASSES: &str = "class";
+
+/// A class of the user.
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct OwnClassEntry {
+    /// The group that it belongs to.
+    group: Option<ClassGroup>,
+    /// Its other names, in labels and results.
+    #[serde(default)]
+    names: Vec<String>,
+}
 
 /// Contents of a document besides values of parameters.
 pub(super) struct Applied {
@@ -37,7 +53,10 @@ impl OverrideFile<'_> {
     /// Puts the values of the document into `table`. Returns its other contents.
     pub(super) fn apply(&self, table: &mut Table) -> Result<Applied, ConfigError> {
         let mut values = self.parse()?;
-        let classes = values.remove(CLASSES).map_or(Ok(ClassTable::default()), |it| self.classes_in(it))?;
+        let own =
+            values.remove(OWN_CLASSES).map_or(Ok(ClassTable::default()), |it| self.own_classes_in(it))?;
+        let classes =
+            values.remove(CLASSES).map_or(Ok(ClassTable::default()), |it| self.classes_in(it))?.or(&own);
         let written = values.remove(DETECTOR_TABLE);
         let (foreign, foreign_parameters) = written.map_or_else(
             || Ok(Default::default()),
@@ -45,8 +64,40 @@ impl OverrideFile<'_> {
         )?;
         let curve = values.get("hierarchical").and_then(|it| it.get("density_weighting")?.get("curve"));
         let gives_density_curve = curve.is_some();
+        // Rules of classes are no parameters that the shipped table has.
+        let of_classes = match values.get_mut("matching") {
+            Some(Value::Table(matching)) => matching.remove(OWN_CLASSES),
+            _ => None,
+        };
         set(table, values, &mut Vec::new(), &|keys| self.position_of(keys))?;
+        if let (Some(rules), Some(Value::Table(matching))) = (of_classes, table.get_mut("matching")) {
+            matching.insert(OWN_CLASSES.to_owned(), rules);
+        }
         Ok(Applied { gives_density_curve, classes, foreign, foreign_parameters })
+    }
+
+    /// Defines the classes of the user, and returns their names.
+    fn own_classes_in(&self, written: Value) -> Result<ClassTable, ConfigError> {
+        let mut classes = ClassTable::default();
+        let at = |keys: &[&str], problem: String| {
+            let keys: Vec<String> = keys.iter().map(|it| (*it).to_owned()).collect();
+            ConfigError::Value { position: self.position_of(&keys), key: keys.join("."), problem }
+        };
+        let Value::Table(written) = written else {
+            return Err(at(&[OWN_CLASSES], " is no table: write [class.NAME]".to_owned()));
+        };
+        for (name, value) in written {
+            let keys = [OWN_CLASSES, name.as_str()];
+            let entry: OwnClassEntry = value
+                .try_into()
+                .map_err(|error: toml::de::Error| at(&keys, format!(": {}", error.message())))?;
+            let class = AnnotationClass::define(&name, entry.group);
+            let class = class.map_err(|problem| at(&keys, format!(": {problem}")))?;
+            for word in entry.names.iter().chain([&name]) {
+                classes.insert(word, class);
+            }
+        }
+        Ok(classes)
     }
 
     fn classes_in(&self, written: Value) -> Result<ClassTable, ConfigError> {

@@ -23,6 +23,7 @@ use super::parameter_tree::parameters;
 use super::value_problem::ValueProblem;
 use super::vehicle_model_table::{TrainedModel, VEHICLE_MODEL_TOML, VehicleModels, vehicle_models_from};
 use crate::matching::assign::MatchingParams;
+use crate::matching::class_criteria::ClassCriteria;
 use crate::matching::criterion::Criterion;
 use crate::run::foreign_detector::ForeignDetector;
 
@@ -37,6 +38,8 @@ pub struct RunConfig {
     pub baselines: BaselineParams,
     /// How detections are judged.
     pub matching: MatchingParams,
+    /// How those of single classes are judged.
+    pub class_criteria: ClassCriteria,
     /// Models that classify vehicles; `None` if they are classified by size.
     pub vehicle_models: Option<VehicleModels>,
     /// Meanings of class names in labels, from the file.
@@ -221,6 +224,8 @@ impl RunConfig {
         };
         let (hierarchical, paper) = (hierarchical.to_string(), table("paper").to_string());
         let matching = table("matching").to_string();
+        let (matching, class_criteria) = matching_from(&matching)
+            .map_err(|error| ValueProblem::new(&error, Some("matching"), &matching))?;
         let of_others = ["matching", "hierarchical", "paper", VEHICLE_MODEL, DETECTOR_TABLE];
         let of_baselines = resolved.iter().filter(|(name, _)| !of_others.contains(&name.as_str()));
         let baselines: Table = of_baselines.map(|(name, value)| (name.clone(), value.clone())).collect();
@@ -232,8 +237,8 @@ impl RunConfig {
                 .map_err(|error| ValueProblem::new(&error, Some("paper"), &paper))?,
             baselines: BaselineParams::from_toml(&baselines)
                 .map_err(|error| ValueProblem::new(&error, None, &baselines))?,
-            matching: matching_from(&matching)
-                .map_err(|error| ValueProblem::new(&error, Some("matching"), &matching))?,
+            matching,
+            class_criteria,
             vehicle_models,
             classes: ClassTable::default(),
             file: None,

@@ -74,7 +74,8 @@ impl<'a> ScanEvents<'a> {
         let cloud = &judged.results.scan.cloud;
         let sensor_height_m = judged.dataset().sensor_height_m;
         let mut patches: Vec<Patch> = Vec::new();
-        for row in judged.rows.iter().flat_map(|it| &it.tasks).flat_map(|it| &it.matches) {
+        let rows = judged.rows.iter().flat_map(|it| &it.tasks).flat_map(|it| &it.matches);
+        for row in rows.filter(|it| it.task.class().is_none()) {
             self.worst.add(row, |window| {
                 let Some(object) = ObjectName::shown_of(row) else { return };
                 // Both tasks may show it.

@@ -11,7 +11,7 @@ use crate::plumbing::config::{choose_criterion, chosen_with_results};
 use crate::plumbing::failure::Failure;
 use crate::plumbing::first_look::look_first_at_all;
 use crate::plumbing::named_blocks::with_named_blocks;
-use crate::plumbing::open_datasets::{OpenedDataset, open_datasets_past_damage};
+use crate::plumbing::open_datasets::{OpenedDataset, open_datasets_past_damage, own_classes};
 use crate::plumbing::opened_results::OpenedResults;
 use crate::plumbing::progress::RunProgress;
 use crate::plumbing::run_manifest::{RunSettings, detector_entry, run_manifest};
@@ -29,6 +29,7 @@ impl ChosenRun {
         let left = &arguments.foreign.detections;
         let (chosen, mut config) = chosen_with_results(&arguments.config, &arguments.detectors, left)?;
         choose_criterion(&mut config, &arguments.matching);
+        config.classes = own_classes(&arguments.data.source).or(&config.classes);
         Ok(Self { chosen, config })
     }
 

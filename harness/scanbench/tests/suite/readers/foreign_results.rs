@@ -2,13 +2,14 @@
 
 use std::path::Path;
 
-use detector::{BoxDetails, DetectedClass, Detection, DetectorOutput};
+use detector::{BoxDetails, DetectedClass, Detection, DetectorOutput, GivenClass};
 use reports::vocabulary::class::AnnotationClass;
 use scans::conversion::results::result_folder::{ResultFolder, ResultOutput};
 use scans::dataset::class_table::ClassTable;
 use scans::dataset::foreign_frame::ForeignFrame;
 use scans::dataset::{Dataset, DatasetError};
 use scans::foreign::detections::{ForeignBox, ForeignDetections};
+use scans::foreign::foreign_class::ForeignClass;
 use scans::foreign::foreign_results::{ForeignResults, MissingResults, ResultRequest, open_results};
 
 use super::made::{kitti_raw, nuscenes, street, write};
@@ -45,6 +46,11 @@ pub fn check_refused(path: &Path, dataset: &dyn Dataset, is_usage_error: bool, p
 /// By so much the score of a box is more than that of its class.
 const OF_BOX: f32 = 16.0;
 
+/// The class that the detector gives.
+fn car() -> GivenClass {
+    GivenClass::new("car", "car")
+}
+
 /// The annotations that have a box, as a detector would find them; the first again, as an unlikely vehicle.
 fn echo(dataset: &dyn Dataset, scan_idx: usize) -> (DetectorOutput, Vec<ForeignBox>) {
     let scan = dataset.read_scan(scan_idx).unwrap();
@@ -54,10 +60,10 @@ fn echo(dataset: &dyn Dataset, scan_idx: usize) -> (DetectorOutput, Vec<ForeignB
         let (class, score) = (DetectedClass::Vehicle, Some(f32::from(number) / 8.0));
         let box_details = BoxDetails { score: score.map(|it| it + OF_BOX), ..BoxDetails::default() };
         let detection = Detection::new(&annotation.point_indices, bounding_box, class, score);
-        output.detections.push(Detection { box_details, ..detection });
+        output.detections.push(Detection { box_details, given: Some(car()), ..detection });
         boxes.push(ForeignBox {
             bounding_box,
-            class: Some(AnnotationClass::Car),
+            class: Some(AnnotationClass::Car.into()),
             score,
             box_score: box_details.score,
             is_unlikely: false,
@@ -66,7 +72,7 @@ fn echo(dataset: &dyn Dataset, scan_idx: usize) -> (DetectorOutput, Vec<ForeignB
     if let Some(&first) = boxes.first() {
         let unlikely = Detection::new(&[], first.bounding_box, DetectedClass::Vehicle, Some(-2.0));
         let box_details = BoxDetails { score: Some(OF_BOX - 2.0), ..BoxDetails::default() };
-        output.unlikely_vehicles.push(Detection { box_details, ..unlikely });
+        output.unlikely_vehicles.push(Detection { box_details, given: Some(car()), ..unlikely });
         boxes.push(ForeignBox {
             score: unlikely.score,
             box_score: box_details.score,
@@ -95,7 +101,8 @@ pub fn check_same_boxes(found: &ForeignDetections, expected: &[ForeignBox]) {
     assert_eq!(found.boxes.len(), expected.len());
     for (found, expected) in found.boxes.iter().zip(expected) {
         let (a, b) = (found.bounding_box, expected.bounding_box);
-        assert_eq!((found.class, found.score), (expected.class, expected.score));
+        let class = |it: &ForeignBox| it.class.map(|it| (it.class, it.given.map(GivenClass::name)));
+        assert_eq!((class(found), found.score), (class(expected), expected.score));
         assert_eq!((found.box_score, found.is_unlikely), (expected.box_score, expected.is_unlikely));
         let lengths_m = a.center_m.iter().chain(&a.length_width_height_m);
         let pairs = lengths_m.zip(b.center_m.iter().chain(&b.length_width_height_m));
@@ -326,7 +333,7 @@ fn what_detect_writes_is_read() {
         let clusters = found.clusters.as_ref().unwrap();
         assert_eq!((clusters.len(), found.boxes.len()), (scan.cloud.len(), 2));
         for (number, it) in (1..).zip(&found.boxes) {
-            assert_eq!(it.class, Some(AnnotationClass::Car));
+            assert_eq!(it.class, Some(ForeignClass::of("vehicle", AnnotationClass::Car)));
             let points = clusters.iter().zip(scan.cloud.positions_m());
             let points: Vec<[f32; 3]> =
                 points.filter(|(cluster, _)| **cluster == number).map(|(_, position_m)| position_m).collect();
@@ -354,7 +361,7 @@ fn instances_of_labels_are_clusters() {
             let number = annotation.track.unwrap() >> 16;
             let points: Vec<u32> = (0..).zip(clusters).filter(|it| *it.1 == number).map(|it| it.0).collect();
             assert_eq!(points, annotation.point_indices);
-            assert_eq!(found.cluster_classes[number as usize - 1], Some(annotation.class));
+            assert_eq!(found.cluster_classes[number as usize - 1], Some(annotation.class.into()));
         }
     }
 }

@@ -19,7 +19,7 @@ fn detections_of_ros_are_carried_into_the_frame_of_the_cloud() {
         let annotation = &dataset.read_scan(scan_idx).unwrap().annotations[0];
         let expected = ForeignBox {
             bounding_box: annotation.bounding_box.unwrap(),
-            class: Some(AnnotationClass::Car),
+            class: Some(AnnotationClass::Car.into()),
             score: Some(0.7),
             box_score: None,
             is_unlikely: false,

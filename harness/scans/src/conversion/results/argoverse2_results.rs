@@ -1,7 +1,7 @@
 //! A table of detections of Argoverse 2: `detections.feather`, boxes in the frame of the car.
 //!
-//! Vehicles are `REGULAR_VEHICLE`: detectors do not distinguish them from trucks. Other objects have no class there and are
-//! left out. The score is that of the box. A detection without one has 1. A column of ours is 1 for unlikely
+//! Detections have the category for the class that their detector gives. Vehicles without one are `REGULAR_VEHICLE`. Other
+//! objects have no category there and are left out. The score is that of the box. A detection without one has 1. A column of ours is 1 for unlikely
 //! vehicles, else 0.
 
 use std::sync::Arc;
@@ -9,8 +9,11 @@ use std::sync::Arc;
 use arrow_array::{ArrayRef, Float64Array, Int64Array, RecordBatch, StringArray};
 use arrow_ipc::writer::FileWriter;
 use arrow_schema::ArrowError;
-use detector::{DetectedClass, DetectorOutput};
+use detector::DetectorOutput;
+use reports::vocabulary::class::AnnotationClass;
+use reports::vocabulary::protocol::Protocol;
 
+use super::class_words::word_among;
 use super::detection_rows::SCORE_OF_NONE;
 use super::{CompleteFiles, ResultFile, ResultWriter, ranked, unwritable};
 use crate::annotation::LabeledScan;
@@ -22,8 +25,20 @@ use crate::dataset::upright_box::pose_of_box;
 /// The name of the file.
 const NAME: &str = "detections.feather";
 
-/// The class of vehicles.
-const VEHICLE: &str = "REGULAR_VEHICLE";
+/// The categories of our classes.
+const CATEGORIES: [(AnnotationClass, &str); 11] = [
+    (AnnotationClass::Car, "REGULAR_VEHICLE"),
+    (AnnotationClass::Van, "REGULAR_VEHICLE"),
+    (AnnotationClass::Truck, "TRUCK"),
+    (AnnotationClass::Bus, "BUS"),
+    (AnnotationClass::Trailer, "VEHICULAR_TRAILER"),
+    (AnnotationClass::Tram, "RAILED_VEHICLE"),
+    (AnnotationClass::Pedestrian, "PEDESTRIAN"),
+    (AnnotationClass::SittingPerson, "WHEELCHAIR"),
+    (AnnotationClass::Cyclist, "BICYCLIST"),
+    (AnnotationClass::ParkedCycle, "BICYCLE"),
+    (AnnotationClass::Pole, "SIGN"),
+];
 
 /// The columns that hold numbers.
 const NUMBERS: [&str; 11] =
@@ -34,6 +49,7 @@ const NUMBERS: [&str; 11] =
 pub struct Argoverse2Results {
     logs: Vec<String>,
     times_ns: Vec<i64>,
+    categories: Vec<&'static str>,
     unlikely: Vec<i64>,
     numbers: [Vec<f64>; NUMBERS.len()],
 }
@@ -43,7 +59,10 @@ impl ResultWriter for Argoverse2Results {
         let ForeignFrame::Car { log_id, timestamp_ns, car_from_sensor } = frame else {
             return Err(unwritable(scan, "argoverse2", "its data set has no logs of Argoverse 2"));
         };
-        for (detection, is_unlikely) in ranked(output).filter(|(it, _)| it.class == DetectedClass::Vehicle) {
+        let words = Protocol::Argoverse2.ranked_classes();
+        for (detection, is_unlikely) in ranked(output) {
+            let Some(category) = word_among(&detection, words, &CATEGORIES) else { continue };
+            self.categories.push(category);
             let car_from_box = car_from_sensor * pose_of_box(&detection.bounding_box);
             let (at, turn) = (car_from_box.translation.vector, car_from_box.rotation);
             let [length_m, width_m, height_m] = detection.bounding_box.length_width_height_m.map(f64::from);
@@ -72,7 +91,7 @@ impl ResultWriter for Argoverse2Results {
 
 impl Argoverse2Results {
     fn table(&self) -> Result<RecordBatch, ArrowError> {
-        let categories = StringArray::from(vec![VEHICLE; self.logs.len()]);
+        let categories = StringArray::from(self.categories.clone());
         let mut columns: Vec<(&str, ArrayRef)> = vec![
             ("log_id", Arc::new(StringArray::from(self.logs.clone()))),
             ("timestamp_ns", Arc::new(Int64Array::from(self.times_ns.clone()))),

@@ -4,7 +4,7 @@ use detector::detection::SeenSides;
 use detector::{BoxDetails, DetectedClass, Detection, Detections, OrientedBox};
 use reports::rows::box_row::{BoxDetailFacts, BoxRow};
 use reports::rows::match_outcome::{BoxFacts, DetectionFacts};
-use reports::vocabulary::class::DetectionClass;
+use reports::vocabulary::class::{AnnotationClass, DetectionClass};
 
 /// The score of detections without one, where a format has to have one.
 pub const SCORE_OF_NONE: f32 = 1.0;
@@ -13,13 +13,20 @@ pub const SCORE_OF_NONE: f32 = 1.0;
 pub fn detection_facts(index: usize, detection: &Detection<'_>) -> DetectionFacts {
     DetectionFacts {
         id: index as u64,
-        class: match detection.class {
-            DetectedClass::Object => DetectionClass::Object,
-            DetectedClass::Vehicle => DetectionClass::Vehicle,
-        },
+        class: detection_class(detection),
         score: detection.score,
         n_points: detection.point_indices.len() as u64,
         bounding_box: box_facts(&detection.bounding_box),
+    }
+}
+
+/// Class of a detection for files: the one that its detector gives, or else its kind.
+pub fn detection_class(detection: &Detection<'_>) -> DetectionClass {
+    let given = detection.given.and_then(|it| AnnotationClass::written(it.name()).ok());
+    match (given, detection.class) {
+        (Some(given), _) => DetectionClass::Given(given),
+        (None, DetectedClass::Object) => DetectionClass::Object,
+        (None, DetectedClass::Vehicle) => DetectionClass::Vehicle,
     }
 }
 

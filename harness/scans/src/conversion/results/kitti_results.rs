@@ -1,14 +1,16 @@
 //! KITTI's text files of results, in `data` as its evaluators look for them.
 //!
-//! Vehicles are `Car`, everything else is `Misc`, which the evaluators pass over. Boxes that the camera does not see have no
+//! Detections have KITTI's word for the class that their detector gives. Vehicles without one are `Car`, everything else is
+//! `Misc`, which the evaluators pass over. Boxes that the camera does not see have no
 //! rectangle in the image (-1), and the evaluators pass over these as well. The score is that of the box. A detection
 //! without one has 1. Unlikely vehicles have an occlusion of their own, which evaluators do not look at.
 
 use std::collections::BTreeMap;
 use std::fmt::Write as _;
 
-use detector::{DetectedClass, Detection, DetectorOutput};
+use detector::DetectorOutput;
 
+use super::class_words::kitti_word;
 use super::detection_rows::SCORE_OF_NONE;
 use super::{CompleteFiles, ResultFile, ResultWriter, ranked, unwritable};
 use crate::annotation::LabeledScan;
@@ -56,7 +58,7 @@ impl ResultWriter for KittiResults {
                 lines,
                 "{} -1 {occlusion} {alpha_rad:.6} {left_px:.2} {top_px:.2} {right_px:.2} {bottom_px:.2} {height_m} {width_m} {length_m} \
                  {x:.6} {y:.6} {z:.6} {rotation_y_rad:.7} {}",
-                class_of(&detection),
+                kitti_word(&detection),
                 detection.box_score().unwrap_or(SCORE_OF_NONE)
             );
         }
@@ -81,12 +83,5 @@ impl ResultWriter for KittiResults {
             content: lines.into_bytes(),
         };
         Ok(files.map(file).collect())
-    }
-}
-
-fn class_of(detection: &Detection<'_>) -> &'static str {
-    match detection.class {
-        DetectedClass::Vehicle => "Car",
-        DetectedClass::Object => "Misc",
     }
 }

@@ -7,6 +7,7 @@ use crate::annotation::LabeledScan;
 use crate::dataset::foreign_frame::ForeignFrame;
 
 pub mod detection_rows;
+pub mod class_words;
 pub mod kitti_results;
 pub mod nuscenes_results;
 pub mod argoverse2_results;

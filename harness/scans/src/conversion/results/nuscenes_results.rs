@@ -1,14 +1,17 @@
 //! A submission of nuScenes: `results_nusc.json`, boxes in the frame of the world.
 //!
-//! Vehicles are `car`: detectors do not distinguish them from trucks. Other objects have no class there and are left out.
-//! Velocities are 0 and attributes empty.
+//! Detections have the name for the class that their detector gives. Vehicles without one are `car`. Other objects have no
+//! name there and are left out. Velocities are 0 and attributes empty.
 //!
 //! The score is that of the box; a detection without one has 1. The format wants it between 0 and 1: where any is outside,
 //! all are taken as log odds and written as probabilities, in the same order. A key of ours says which vehicles are unlikely.
 
-use detector::{DetectedClass, DetectorOutput};
+use detector::DetectorOutput;
+use reports::vocabulary::class::AnnotationClass;
+use reports::vocabulary::protocol::Protocol;
 use serde_json::{Map, Value, json};
 
+use super::class_words::word_among;
 use super::detection_rows::SCORE_OF_NONE;
 use super::{CompleteFiles, ResultFile, ResultWriter, ranked, unwritable};
 use crate::annotation::LabeledScan;
@@ -18,6 +21,18 @@ use crate::dataset::upright_box::pose_of_box;
 
 /// The name of the file.
 const NAME: &str = "results_nusc.json";
+
+/// The names of our classes.
+const NAMES: [(AnnotationClass, &str); 8] = [
+    (AnnotationClass::Car, "car"),
+    (AnnotationClass::Van, "car"),
+    (AnnotationClass::Truck, "truck"),
+    (AnnotationClass::Bus, "bus"),
+    (AnnotationClass::Trailer, "trailer"),
+    (AnnotationClass::Pedestrian, "pedestrian"),
+    (AnnotationClass::Cyclist, "bicycle"),
+    (AnnotationClass::ParkedCycle, "bicycle"),
+];
 
 /// A submission that is being filled.
 #[derive(Default)]
@@ -32,7 +47,9 @@ impl ResultWriter for NuScenesResults {
             return Err(unwritable(scan, "nuscenes", "its data set has no samples of nuScenes"));
         };
         let mut boxes = Vec::new();
-        for (detection, is_unlikely) in ranked(output).filter(|(it, _)| it.class == DetectedClass::Vehicle) {
+        let words = Protocol::Nuscenes.ranked_classes();
+        for (detection, is_unlikely) in ranked(output) {
+            let Some(name) = word_among(&detection, words, &NAMES) else { continue };
             let score = f64::from(detection.box_score().unwrap_or(SCORE_OF_NONE));
             self.has_log_odds |= !(0.0..=1.0).contains(&score);
             let world_from_box = world_from_sensor * pose_of_box(&detection.bounding_box);
@@ -45,7 +62,7 @@ impl ResultWriter for NuScenesResults {
                 "size": [width_m, length_m, height_m],
                 "rotation": [turn.w, turn.i, turn.j, turn.k],
                 "velocity": [0.0, 0.0],
-                "detection_name": "car",
+                "detection_name": name,
                 "detection_score": score,
                 "attribute_name": "",
             });
@@ -83,7 +100,7 @@ fn probability(log_odds: f64) -> f64 {
 
 #[cfg(test)]
 mod tests {
-    use detector::{Detection, Detections, OrientedBox};
+    use detector::{DetectedClass, Detection, Detections, OrientedBox};
     use nalgebra::Isometry3;
 
     use super::*;

@@ -1,6 +1,6 @@
 //! Classes of the numbers in SemanticKITTI's labels, and how their points are treated.
 
-use reports::vocabulary::class::AnnotationClass;
+use reports::vocabulary::class::{AnnotationClass, ClassGroup};
 
 /// Treatment of the points of a label.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -60,6 +60,12 @@ pub fn number_of(class: AnnotationClass) -> u16 {
         Class::Bus => 13,
         Class::Tram => 16,
         Class::Truck => 18,
+        Class::Own(_) => match class.group() {
+            Some(ClassGroup::Vehicle) => 20,
+            Some(ClassGroup::Person) => 30,
+            Some(ClassGroup::Cycle) => 11,
+            None => 99,
+        },
         Class::Trailer | Class::Misc => 20,
         Class::Pedestrian | Class::SittingPerson => 30,
         Class::Cyclist => 31,

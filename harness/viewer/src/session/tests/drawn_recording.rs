@@ -17,6 +17,7 @@ use evaluation::metrics::counts::FalseDetections;
 use evaluation::run::scan_recorder::Mark;
 use nalgebra::Isometry3;
 use reports::vocabulary::class::AnnotationClass;
+use reports::vocabulary::criterion::CriterionKind;
 use reports::vocabulary::reason::{FalseReason, MissReason};
 use reports::vocabulary::task::Task;
 use rerun::external::arrow::array::Array as _;
@@ -100,6 +101,7 @@ pub fn products() -> Vec<StageProduct> {
 pub fn one_of_each(task: Task) -> Assignment {
     Assignment {
         task,
+        criterion: CriterionKind::Points,
         annotations: vec![
             AnnotationOutcome::Matched { detection_idx: 0, cost: 0.1 },
             AnnotationOutcome::Missed(MissReason::Split),

@@ -1,0 +1,115 @@
+//! Criteria of single classes, which have priority over that of the run.
+
+use std::collections::BTreeMap;
+
+use reports::vocabulary::class::AnnotationClass;
+use reports::vocabulary::criterion::CriterionKind;
+use reports::vocabulary::task::Task;
+use serde::Deserialize;
+
+use super::criterion::Criterion;
+
+/// The table `[matching.class.NAME]`: what it leaves out is as in the run.
+#[derive(Debug, Clone, Copy, PartialEq, Default, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct ClassRule {
+    /// The measure that is compared.
+    criterion: Option<CriterionKind>,
+    /// Least intersection over union.
+    min_iou: Option<f64>,
+    /// Greatest distance of the centres, in metres.
+    max_centre_distance_m: Option<f64>,
+}
+
+/// Criteria of the tasks of classes.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct ClassCriteria(BTreeMap<AnnotationClass, ClassRule>);
+
+impl ClassRule {
+    /// The problem of a value that is no criterion, with its name; `None` if all are.
+    fn problem(&self) -> Option<String> {
+        let wrong = |name: &str, value: Option<f64>, most: f64| {
+            let value = value.filter(|it| !(0.01..=most).contains(it))?;
+            Some(format!("{name} = {value} is not within 0.01 to {most}"))
+        };
+        wrong("min_iou", self.min_iou, 1.0)
+            .or_else(|| wrong("max_centre_distance_m", self.max_centre_distance_m, 100.0))
+    }
+
+    fn over(&self, of_run: Criterion) -> Criterion {
+        let kind = self.criterion.unwrap_or(of_run.kind());
+        let usual = Criterion::ALL.into_iter().find(|it| it.kind() == kind).unwrap_or(of_run);
+        match if kind == of_run.kind() { of_run } else { usual } {
+            Criterion::Points { min_iou } => Criterion::Points { min_iou: self.min_iou.unwrap_or(min_iou) },
+            Criterion::BevIou { min_iou } => Criterion::BevIou { min_iou: self.min_iou.unwrap_or(min_iou) },
+            Criterion::Iou3d { min_iou } => Criterion::Iou3d { min_iou: self.min_iou.unwrap_or(min_iou) },
+            Criterion::Centre { max_distance_m } => {
+                Criterion::Centre { max_distance_m: self.max_centre_distance_m.unwrap_or(max_distance_m) }
+            }
+        }
+    }
+}
+
+impl ClassCriteria {
+    /// These rules, by the names of classes.
+    ///
+    /// # Errors
+    ///
+    /// A sentence if a name is no class, or a value no criterion.
+    pub fn new(rules: BTreeMap<String, ClassRule>) -> Result<Self, String> {
+        let rule = |(name, rule): (String, ClassRule)| {
+            let unknown = || format!("matching.class.{name}: there is no class {name:?}");
+            let class = AnnotationClass::from_name(&name).ok_or_else(unknown)?;
+            match rule.problem() {
+                Some(problem) => Err(format!("matching.class.{name}.{problem}")),
+                None => Ok((class, rule)),
+            }
+        };
+        rules.into_iter().map(rule).collect::<Result<_, _>>().map(Self)
+    }
+
+    /// The criterion of `task` in a run with the criterion `of_run`.
+    pub fn of(&self, task: Task, of_run: Criterion) -> Criterion {
+        let rule = task.class().and_then(|it| self.0.get(&it));
+        rule.map_or(of_run, |it| it.over(of_run))
+    }
+
+    /// The classes with a criterion of their own, in a run with the criterion `of_run`.
+    pub fn all(&self, of_run: Criterion) -> impl Iterator<Item = (AnnotationClass, Criterion)> {
+        self.0.iter().map(move |(class, rule)| (*class, rule.over(of_run)))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn criteria(text: &str) -> Result<ClassCriteria, String> {
+        ClassCriteria::new(toml::from_str(text).expect("the text is TOML"))
+    }
+
+    #[test]
+    fn a_class_changes_what_its_table_says() {
+        let text = "[car]\nmin_iou = 0.7\n[pedestrian]\ncriterion = \"centre\"\n[bus]\ncriterion = \"bev-iou\"\nmin_iou = 0.6";
+        let criteria = criteria(text).unwrap();
+        let of = |class, run| criteria.of(Task::Class(class), run);
+        let run = Criterion::Points { min_iou: 0.4 };
+        assert_eq!(of(AnnotationClass::Car, run), Criterion::Points { min_iou: 0.7 });
+        assert_eq!(of(AnnotationClass::Car, Criterion::CENTRE), Criterion::CENTRE);
+        assert_eq!(of(AnnotationClass::Pedestrian, run), Criterion::CENTRE);
+        assert_eq!(of(AnnotationClass::Bus, run), Criterion::BevIou { min_iou: 0.6 });
+        assert_eq!(of(AnnotationClass::Van, run), run);
+        assert_eq!(criteria.of(Task::Vehicles, run), run);
+    }
+
+    #[test]
+    fn what_is_no_class_and_no_gate_is_refused() {
+        for (text, problem) in [
+            ("[boat]\nmin_iou = 0.7", "there is no class \"boat\""),
+            ("[car]\nmin_iou = 1.7", "matching.class.car.min_iou = 1.7 is not within 0.01 to 1"),
+            ("[car]\nmax_centre_distance_m = 0.0", "= 0 is not within 0.01 to 100"),
+        ] {
+            assert!(criteria(text).unwrap_err().contains(problem), "{text}");
+        }
+    }
+}

@@ -1,0 +1,79 @@
+//! Words that the formats of others have for the classes of detections.
+
+use detector::{DetectedClass, Detection};
+use reports::vocabulary::class::{AnnotationClass, ClassGroup, DetectionClass};
+
+use super::detection_rows::detection_class;
+use crate::dataset::class_name::plain_name;
+
+/// KITTI's word for a detection: everything that it does not know is `Misc`, which its evaluators pass over.
+pub fn kitti_word(detection: &Detection<'_>) -> &'static str {
+    use AnnotationClass as Class;
+    match (detection_class(detection), detection.class) {
+        (DetectionClass::Given(class), kind) => match class {
+            Class::Car => "Car",
+            Class::Van => "Van",
+            Class::Truck => "Truck",
+            Class::Pedestrian => "Pedestrian",
+            Class::SittingPerson => "Person_sitting",
+            Class::Cyclist => "Cyclist",
+            Class::Tram => "Tram",
+            _ if kind == DetectedClass::Vehicle && class.group() == Some(ClassGroup::Vehicle) => "Truck",
+            _ => "Misc",
+        },
+        (_, DetectedClass::Vehicle) => "Car",
+        (_, DetectedClass::Object) => "Misc",
+    }
+}
+
+/// The one of `words` for a detection: that of its detector, in any spelling, or else the one of `by_class` for its class; for
+/// a vehicle without a class that of a car. `None` if the format has none.
+pub fn word_among(
+    detection: &Detection<'_>,
+    words: &[&'static str],
+    by_class: &[(AnnotationClass, &'static str)],
+) -> Option<&'static str> {
+    let of_class = |class| by_class.iter().find(|(it, _)| *it == class).map(|(_, word)| *word);
+    match (detection.given, detection_class(detection), detection.class) {
+        (Some(given), DetectionClass::Given(class), _) => {
+            let plain = plain_name(given.word());
+            words.iter().find(|it| plain_name(it) == plain).copied().or_else(|| of_class(class))
+        }
+        (_, _, DetectedClass::Vehicle) => of_class(AnnotationClass::Car),
+        (_, _, DetectedClass::Object) => None,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use detector::{GivenClass, OrientedBox};
+
+    fn detection(kind: DetectedClass, given: Option<[&str; 2]>) -> Detection<'static> {
+        let cube = OrientedBox { center_m: [9.0, 0.0, 0.0], length_width_height_m: [1.0; 3], yaw_rad: 0.0 };
+        let given = given.map(|[name, word]| GivenClass::new(name, word));
+        Detection { given, ..Detection::new(&[], cube, kind, None) }
+    }
+
+    #[test]
+    fn every_class_has_the_nearest_word() {
+        use DetectedClass::{Object, Vehicle};
+        let words = ["CAR", "BOX_TRUCK", "TRUCK", "PEDESTRIAN"];
+        let by_class = [
+            (AnnotationClass::Car, "CAR"),
+            (AnnotationClass::Truck, "TRUCK"),
+            (AnnotationClass::Pedestrian, "PEDESTRIAN"),
+        ];
+        for (kind, given, kitti, among) in [
+            (Vehicle, None, "Car", Some("CAR")),
+            (Object, None, "Misc", None),
+            (Vehicle, Some(["truck", "box.truck"]), "Truck", Some("BOX_TRUCK")),
+            (Vehicle, Some(["truck", "lorry"]), "Truck", Some("TRUCK")),
+            (Object, Some(["pedestrian", "Pedestrian"]), "Pedestrian", Some("PEDESTRIAN")),
+            (Object, Some(["pole", "pole"]), "Misc", None),
+        ] {
+            let it = detection(kind, given);
+            assert_eq!((kitti_word(&it), word_among(&it, &words, &by_class)), (kitti, among), "{given:?}");
+        }
+    }
+}
