@@ -215,7 +215,8 @@ mod tests {
 
         all: the mean over all classes, as the makers have it; classes without annotations count as not
           found. present: over classes with annotations, and errors that are known.
-        Detections without a score have 1; detections have the class that their detector gives, vehicles without one are cars.
+        Detections without a score have 1; detections have the class that their detector gives, vehicles
+          without one are cars.
         –: no annotation that it could be of, or not known.
         95 % interval: cluster bootstrap, 1000 resamples; each second of driving is one block, because there
           are fewer than 10 drives: the intervals cover other scans of the same drives, but not other

@@ -32,6 +32,8 @@ pub struct Found {
     pub ranked: Vec<(OrientedBox, f32)>,
     /// Class of every detection; `None` where the detector predicts none.
     pub classes: Vec<Option<ForeignClass>>,
+    /// Whether the answer has a place for classes, if only for those of no detection.
+    pub names_classes: bool,
     /// Stages and their times in milliseconds, as reported.
     pub stages: Vec<(String, f64)>,
     /// Products: their names, and their values, one for each point.
@@ -148,6 +150,7 @@ impl Found {
             box_scores: box_scores.collect::<Result<Vec<_>, _>>()?,
             ranked: boxes_of("ranked box", ranked)?.into_iter().zip(ranked_scores).collect(),
             classes: classes_of(line, n_detections, table)?,
+            names_classes: line.classes.is_some(),
             stages: line.stages.iter().map(|it| (it.name.clone(), it.ms)).collect(),
             products: line.products.iter().map(|it| it.name.clone()).zip(values).collect(),
         })

@@ -57,7 +57,8 @@ impl AnswerWriter {
             scores: !scores.is_empty() && scores.len() == detections.len(),
             box_scores: is_ranked && box_scores,
             ranked: if is_ranked { output.unlikely_vehicles.len() } else { 0 },
-            classes: Some(detections.iter().map(|it| Some(class_of(&it).to_owned())).collect()),
+            classes: (!detections.is_empty())
+                .then(|| detections.iter().map(|it| Some(class_of(&it).to_owned())).collect()),
             stages: stages_of(output),
             products: Vec::new(),
         };

@@ -34,10 +34,21 @@ impl GivesClasses {
         }
     }
 
-    /// The tasks in `scan`: those of every detector, and those of the classes that are annotated or given in it.
-    pub fn tasks(self, scan: &LabeledScan, detections: &Detections) -> Vec<Task> {
+    /// The tasks of `detector` in `scan`: those of every detector, and those of the classes that are annotated or given in
+    /// it.
+    pub fn tasks(
+        self,
+        detector: &dyn RunningDetector,
+        scan: &LabeledScan,
+        detections: &Detections,
+    ) -> Vec<Task> {
+        let may_give = detector.may_give_classes();
+        self.tasks_of(may_give, scan, detections)
+    }
+
+    fn tasks_of(self, may_give: bool, scan: &LabeledScan, detections: &Detections) -> Vec<Task> {
         let mut tasks = Task::ALL.to_vec();
-        if self == Self::No {
+        if self == Self::No || self == Self::Unknown && !may_give {
             return tasks;
         }
         let given = detections.iter().filter_map(|it| AnnotationClass::written(it.given?.name()).ok());
@@ -70,14 +81,19 @@ mod tests {
         let mut gives = GivesClasses::Unknown;
         gives.look(&Detections::default());
         let pole = Task::Class(AnnotationClass::Pole);
-        assert_eq!(gives.tasks(&scan, &Detections::default()), [Task::Objects, Task::Vehicles, pole]);
+        let nothing = Detections::default();
+        assert_eq!(gives.tasks_of(true, &scan, &nothing), [Task::Objects, Task::Vehicles, pole]);
+        assert_eq!(gives.tasks_of(false, &scan, &nothing), Task::ALL);
         let mut does = gives;
         does.look(&one(Some("truck")));
         does.look(&one(None));
         let truck = Task::Class(AnnotationClass::Truck);
-        assert_eq!(does.tasks(&scan, &one(Some("truck"))), [Task::Objects, Task::Vehicles, truck, pole]);
+        assert_eq!(
+            does.tasks_of(true, &scan, &one(Some("truck"))),
+            [Task::Objects, Task::Vehicles, truck, pole]
+        );
         gives.look(&one(None));
         gives.look(&one(Some("truck")));
-        assert_eq!(gives.tasks(&scan, &one(Some("truck"))), Task::ALL);
+        assert_eq!(gives.tasks_of(true, &scan, &one(Some("truck"))), Task::ALL);
     }
 }

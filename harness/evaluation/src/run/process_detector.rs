@@ -45,6 +45,8 @@ pub struct ProcessDetector {
     clusters: Vec<Option<u32>>,
     products: Vec<(String, Vec<u8>)>,
     // Whether it reported ground points in any scan so far.
+    // Whether its latest answer has a place for classes.
+    names_classes: bool,
     reports_ground: bool,
 }
 
@@ -86,6 +88,7 @@ impl ProcessDetector {
             clusters: Vec::new(),
             products: Vec::new(),
             reports_ground: false,
+            names_classes: true,
         }
     }
 
@@ -186,6 +189,7 @@ impl ProcessDetector {
         let objects = objects_of(&found);
         self.reports_ground |= found.products.iter().any(|(name, _)| name == GROUND_PRODUCT);
         self.products = found.products;
+        self.names_classes = found.names_classes;
         self.vehicles.detections_of(objects, cloud, output).map_err(DetectorProblem::WrongAnswer)?;
         for (bounding_box, score) in found.ranked {
             let ranked = Detection::new(&[], bounding_box, DetectedClass::Vehicle, Some(score));
@@ -221,7 +225,7 @@ impl RunningDetector for ProcessDetector {
     }
 
     fn may_give_classes(&self) -> bool {
-        true
+        self.names_classes
     }
 
     fn stage_products(&self, cloud: &PointCloud) -> Vec<StageProduct> {

@@ -71,7 +71,7 @@ pub trait RunningDetector: Send {
         None
     }
 
-    /// Whether it may give the classes of its detections.
+    /// Whether it may give the classes of its detections: of the latest scan, or of any before the first.
     fn may_give_classes(&self) -> bool {
         false
     }

@@ -305,7 +305,7 @@ impl SideBySide<'_> {
                 }
                 assignment
             };
-            gives.tasks(scan, &output.detections).into_iter().map(of_task).collect()
+            gives.tasks(detector, scan, &output.detections).into_iter().map(of_task).collect()
         };
         let results = detectors.iter().zip(outputs).zip(gives).zip(turns);
         results
