@@ -68,7 +68,8 @@ pub struct DetectorScan {
     pub times: DetectionTimes,
     /// The failure, if it gave no answer.
     pub failure: Option<DetectorFailure>,
-    /// Outcomes of annotations and detections, one entry for each task: of [`Task::ALL`], then of classes.
+    /// Outcomes of annotations and detections, one entry for each task: of
+    /// [`Task::ALL`](reports::vocabulary::task::Task::ALL), then of classes.
     pub assignments: Vec<Assignment>,
 }
 
