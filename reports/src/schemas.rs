@@ -12,6 +12,7 @@ use crate::numbers::processor_time_row::ProcessorTimeRow;
 use crate::numbers::run_report::ReportRecord;
 use crate::rows::agreement_row::AgreementRow;
 use crate::rows::box_row::BoxRow;
+use crate::rows::confusion_row::ConfusionRow;
 use crate::rows::error_row::ErrorRow;
 use crate::rows::kitti_object_row::KittiObjectRow;
 use crate::rows::label_score_row::LabelScoreRow;
@@ -61,6 +62,7 @@ pub fn csv_files() -> Vec<(&'static str, &'static str, &'static [CsvField])> {
         file::<ScanRow>("run", "scans.csv"),
         file::<StageRow>("run", "stages.csv"),
         file::<ErrorRow>("run", "errors.csv"),
+        file::<ConfusionRow>("run", "confusion.csv"),
         file::<PrecisionRecallRow>("run", "precision_recall.csv"),
         file::<TaskRow>("run", "table_<task>.csv"),
         file::<AgreementRow>("run", "agreement.csv"),

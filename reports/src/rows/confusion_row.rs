@@ -18,9 +18,9 @@ row! {
         /// Name of the detector.
         #[serde(deserialize_with = "printable_name")]
         pub detector: String,
-        /// The class of the annotation; [`NONE`] of false detections.
+        /// The class of the annotation; `none` of false detections.
         pub annotated: String,
-        /// The class that the detector gives, or else its kind; [`NONE`] of missed annotations.
+        /// The class that the detector gives, or else its kind; `none` of missed annotations.
         pub detected: String,
         /// How many.
         pub n: u64,
