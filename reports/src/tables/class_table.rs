@@ -237,17 +237,18 @@ fn mean_line(lines: &[&ClassLine]) -> Line {
 impl ClassTable {
     /// The table of rates alone.
     pub(crate) fn rates_sheet(&self) -> Sheet {
-        let Sheet { parts, notes, .. } = self.sheet();
-        let [about_classes, about_intervals, ..] = &notes.sentences[..] else {
-            return Sheet::of_parts(parts, Vec::new());
-        };
-        let sentences = vec![about_classes.clone(), about_intervals.clone()];
-        Sheet::of_parts(parts.into_iter().take(1).collect(), sentences)
+        Sheet::of(self.title(), self.rates(), self.about_rates())
     }
-}
 
-impl Tabular for ClassTable {
-    fn sheet(&self) -> Sheet {
+    fn on(&self) -> String {
+        format!("{}{}", self.dataset, self.origin.in_brackets())
+    }
+
+    fn title(&self) -> String {
+        format!("Classes on {}.", self.on())
+    }
+
+    fn about_rates(&self) -> Vec<String> {
         let kinds = self.lines.iter().filter_map(|it| it.within).map(|it| it.blocks.kind);
         let about_interval = kinds.reduce(BlockKind::with).map(|it| format!("95 %: {}", about_interval(it)));
         let mut sentences = vec![format!(
@@ -257,12 +258,19 @@ impl Tabular for ClassTable {
             self.matching_criterion
         )];
         sentences.extend(about_interval);
+        sentences
+    }
+}
+
+impl Tabular for ClassTable {
+    fn sheet(&self) -> Sheet {
+        let mut sentences = self.about_rates();
         sentences.push(
             "given: the class of the detection that found an object, whatever both are (task objects); nothing: false detections."
                 .to_owned(),
         );
-        let on = format!("{}{}", self.dataset, self.origin.in_brackets());
-        let mut parts = vec![Part { title: Some(format!("Classes on {on}.")), grid: self.rates() }];
+        let on = self.on();
+        let mut parts = vec![Part { title: Some(self.title()), grid: self.rates() }];
         parts.extend(
             self.detectors()
                 .into_iter()

@@ -43,7 +43,8 @@ pub fn wrapped(angle_rad: f64) -> f64 {
     (angle_rad + PI).rem_euclid(2.0 * PI) - PI
 }
 
-fn class_word(class: AnnotationClass) -> &'static str {
+/// KITTI's word for `class`, or one that its evaluators pass over.
+pub(super) fn class_word(class: AnnotationClass) -> &'static str {
     match class {
         AnnotationClass::Car => "Car",
         AnnotationClass::Van => "Van",

@@ -29,7 +29,8 @@ pub fn facts_of_results(labels: &[KittiLabel], found: &[KittiObject]) -> Vec<Kit
 }
 
 /// Facts of a scan with these labels and the output of a detector, in the frame of the sensor, by the classes that the
-/// detector gives. Vehicles without one are cars, the unlikely ones, too, since scores rank them. The rectangle in the image is that
+/// detector gives. Vehicles without one are cars, the unlikely ones, too, since scores rank them. The rectangle in the
+/// image is that
 /// around the corners of the box.
 ///
 /// `None` if the scan has no camera.

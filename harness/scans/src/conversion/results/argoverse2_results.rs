@@ -1,8 +1,8 @@
 //! A table of detections of Argoverse 2: `detections.feather`, boxes in the frame of the car.
 //!
 //! Detections have the category for the class that their detector gives. Vehicles without one are `REGULAR_VEHICLE`. Other
-//! objects have no category there and are left out. The score is that of the box. A detection without one has 1. A column of ours is 1 for unlikely
-//! vehicles, else 0.
+//! objects have no category there and are left out. The score is that of the box. A detection without one has 1. A column of
+//! ours is 1 for unlikely vehicles, else 0.
 
 use std::sync::Arc;
 

@@ -1,28 +1,18 @@
 //! Words that the formats of others have for the classes of detections.
 
 use detector::{DetectedClass, Detection};
-use reports::vocabulary::class::{AnnotationClass, ClassGroup, DetectionClass};
+use reports::vocabulary::class::{AnnotationClass, DetectionClass};
 
 use super::detection_rows::detection_class;
+use crate::conversion::kitti_label_line::class_word;
 use crate::dataset::class_name::plain_name;
 
-/// KITTI's word for a detection: everything that it does not know is `Misc`, which its evaluators pass over.
+/// KITTI's word for a detection. Its evaluators pass over words that they do not know, and over `Misc`.
 pub fn kitti_word(detection: &Detection<'_>) -> &'static str {
-    use AnnotationClass as Class;
     match (detection_class(detection), detection.class) {
-        (DetectionClass::Given(class), kind) => match class {
-            Class::Car => "Car",
-            Class::Van => "Van",
-            Class::Truck => "Truck",
-            Class::Pedestrian => "Pedestrian",
-            Class::SittingPerson => "Person_sitting",
-            Class::Cyclist => "Cyclist",
-            Class::Tram => "Tram",
-            _ if kind == DetectedClass::Vehicle && class.group() == Some(ClassGroup::Vehicle) => "Truck",
-            _ => "Misc",
-        },
-        (_, DetectedClass::Vehicle) => "Car",
-        (_, DetectedClass::Object) => "Misc",
+        (DetectionClass::Given(class), _) => class_word(class),
+        (_, DetectedClass::Vehicle) => class_word(AnnotationClass::Car),
+        (_, DetectedClass::Object) => class_word(AnnotationClass::Misc),
     }
 }
 
@@ -70,7 +60,7 @@ mod tests {
             (Vehicle, Some(["truck", "box.truck"]), "Truck", Some("BOX_TRUCK")),
             (Vehicle, Some(["truck", "lorry"]), "Truck", Some("TRUCK")),
             (Object, Some(["pedestrian", "Pedestrian"]), "Pedestrian", Some("PEDESTRIAN")),
-            (Object, Some(["pole", "pole"]), "Misc", None),
+            (Object, Some(["pole", "pole"]), "Pole", None),
         ] {
             let it = detection(kind, given);
             assert_eq!((kitti_word(&it), word_among(&it, &words, &by_class)), (kitti, among), "{given:?}");

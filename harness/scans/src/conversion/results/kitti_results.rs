@@ -1,7 +1,7 @@
 //! KITTI's text files of results, in `data` as its evaluators look for them.
 //!
 //! Detections have KITTI's word for the class that their detector gives. Vehicles without one are `Car`, everything else is
-//! `Misc`, which the evaluators pass over. Boxes that the camera does not see have no
+//! `Misc`, which the evaluators pass over as they do unknown words. Boxes that the camera does not see have no
 //! rectangle in the image (-1), and the evaluators pass over these as well. The score is that of the box. A detection
 //! without one has 1. Unlikely vehicles have an occlusion of their own, which evaluators do not look at.
 
