@@ -111,7 +111,7 @@ def wrong(points: Points, how: str) -> object:
         case "two scores":
             return Boxes([[0, 0, 0, 1, 1, 1, 0]], scores=[1, 2])
         case "class":
-            return Boxes([[0, 0, 0, 1, 1, 1, 0]], classes=[7])
+            return Boxes([[0, 0, 0, 1, 1, 1, 0]], classes=[7])  # type: ignore[list-item]
         case "too few boxes":
             return np.arange(n), Boxes([[0, 0, 0, 1, 1, 1, 0]])
         case "product":

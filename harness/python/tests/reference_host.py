@@ -37,6 +37,7 @@ CONTROL = re.compile("[\x00-\x1f\x7f-\x9f]")
 COLUMN_TYPES = {"x_m": "f32", "y_m": "f32", "z_m": "f32", "intensity": "f32", "ring": "u16", "time_offset_s": "f32"}
 BYTES_OF_TYPE = {"f32": 4, "u16": 2}
 
+
 class DetectorFailure(Exception):
     """What the detector did wrong."""
 
