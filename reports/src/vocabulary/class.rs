@@ -2,11 +2,12 @@
 
 use std::collections::BTreeMap;
 use std::fmt;
-use std::sync::{Mutex, MutexGuard, PoisonError};
+use std::sync::{LazyLock, Mutex, MutexGuard, PoisonError};
 
 use serde::de::Error as _;
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
+use crate::vocabulary::class_traits::{ClassGroup, ClassTraits, shipped_classes};
 use crate::vocabulary::named::named;
 
 /// What an annotated object is: a class of ours, or one that the user defines.
@@ -32,6 +33,10 @@ pub enum AnnotationClass {
     Tram,
     /// Trailer.
     Trailer,
+    /// Excavator, crane and the like.
+    ConstructionVehicle,
+    /// Animal.
+    Animal,
     /// Pole, lamp post, traffic light or sign.
     Pole,
     /// Trunk and crown of a tree.
@@ -49,7 +54,7 @@ pub enum AnnotationClass {
 }
 
 /// Classes of ours with their names.
-const OURS: [(AnnotationClass, &str); 16] = [
+const OURS: [(AnnotationClass, &str); 18] = [
     (AnnotationClass::Car, "car"),
     (AnnotationClass::Van, "van"),
     (AnnotationClass::Truck, "truck"),
@@ -60,6 +65,8 @@ const OURS: [(AnnotationClass, &str); 16] = [
     (AnnotationClass::ParkedCycle, "parked-cycle"),
     (AnnotationClass::Tram, "tram"),
     (AnnotationClass::Trailer, "trailer"),
+    (AnnotationClass::ConstructionVehicle, "construction-vehicle"),
+    (AnnotationClass::Animal, "animal"),
     (AnnotationClass::Pole, "pole"),
     (AnnotationClass::Tree, "tree"),
     (AnnotationClass::Hedge, "hedge"),
@@ -115,37 +122,40 @@ impl AnnotationClass {
         Ok(Self::Own(OwnClass::kept(name)))
     }
 
-    /// Defines a class of the user, in `group` if it is in one.
+    /// Defines a class of the user.
     ///
     /// # Errors
     ///
-    /// A sentence if `name` is no name of a class, that of one of ours, or of a class in another group.
-    pub fn define(name: &str, group: Option<ClassGroup>) -> Result<Self, String> {
+    /// A sentence if `name` is no name of a class, that of one of ours, or of a class of which something else is known.
+    pub fn define(name: &str, traits: ClassTraits) -> Result<Self, String> {
         check_name(name)?;
         if OURS.iter().any(|(_, it)| *it == name) {
             return Err(format!("{name:?} is a class already"));
         }
         let own = OwnClass::kept(name);
         match own.definition() {
-            Some(known) if known.group != group => {
-                Err(format!("{name:?} is a class already, in another group"))
-            }
-            _ => {
-                own_classes().insert(own.0, Some(OwnDefinition { group }));
+            Some(known) if *known != traits => Err(format!("{name:?} is a class already, another one")),
+            Some(_) => Ok(Self::Own(own)),
+            None => {
+                own_classes().insert(own.0, Some(Box::leak(Box::new(traits))));
                 Ok(Self::Own(own))
             }
         }
     }
 
+    /// What is known of it: by `classes.toml`, or by the user.
+    pub fn traits(self) -> &'static ClassTraits {
+        static UNKNOWN: LazyLock<ClassTraits> = LazyLock::new(ClassTraits::default);
+        let known = match self {
+            Self::Own(own) => own.definition(),
+            ours => shipped_classes().get(ours.name()),
+        };
+        known.unwrap_or(&UNKNOWN)
+    }
+
     /// The group that it belongs to, if it does.
     pub fn group(self) -> Option<ClassGroup> {
-        match self {
-            Self::Car | Self::Van | Self::Truck | Self::Bus => Some(ClassGroup::Vehicle),
-            Self::Pedestrian | Self::SittingPerson => Some(ClassGroup::Person),
-            Self::Cyclist | Self::ParkedCycle => Some(ClassGroup::Cycle),
-            Self::Own(own) => own.definition().and_then(|it| it.group),
-            _ => None,
-        }
+        self.traits().group
     }
 }
 
@@ -193,15 +203,12 @@ impl schemars::JsonSchema for AnnotationClass {
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct OwnClass(&'static str);
 
-/// The classes of users, by name: how they are defined, or `None` as long as they are only known from a file of a run.
-static OWN_CLASSES: Mutex<BTreeMap<&'static str, Option<OwnDefinition>>> = Mutex::new(BTreeMap::new());
+/// The classes of users, by name, with what is known of them: `None` as long as that is only a name from a file of a run.
+type OwnClasses = BTreeMap<&'static str, Option<&'static ClassTraits>>;
 
-#[derive(Clone, Copy)]
-struct OwnDefinition {
-    group: Option<ClassGroup>,
-}
+static OWN_CLASSES: Mutex<OwnClasses> = Mutex::new(BTreeMap::new());
 
-fn own_classes() -> MutexGuard<'static, BTreeMap<&'static str, Option<OwnDefinition>>> {
+fn own_classes() -> MutexGuard<'static, OwnClasses> {
     OWN_CLASSES.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
@@ -220,7 +227,7 @@ impl OwnClass {
         Self(name)
     }
 
-    fn definition(self) -> Option<OwnDefinition> {
+    fn definition(self) -> Option<&'static ClassTraits> {
         own_classes().get(self.0).copied().flatten()
     }
 }
@@ -282,16 +289,6 @@ impl fmt::Display for DetectionClass {
 }
 
 named! {
-    /// Classes that belong together.
-    pub enum ClassGroup {
-        /// Cars, vans, trucks and buses.
-        Vehicle = "vehicle",
-        /// People on foot or sitting.
-        Person = "person",
-        /// Bicycles and motorcycles, with a rider or without.
-        Cycle = "cycle",
-    }
-
     /// How much of an object is hidden by others.
     pub enum Occlusion {
         /// Less than a tenth.
@@ -312,14 +309,17 @@ mod tests {
         let read: AnnotationClass = serde_json::from_str("\"pallet-1\"").unwrap();
         assert_eq!((read.name(), read.group()), ("pallet-1", None));
         assert_eq!(AnnotationClass::from_name("pallet-1"), None, "a file defines nothing");
-        let defined = AnnotationClass::define("pallet-1", Some(ClassGroup::Vehicle)).unwrap();
+        let vehicle = ClassTraits { group: Some(ClassGroup::Vehicle), ..ClassTraits::default() };
+        let defined = AnnotationClass::define("pallet-1", vehicle.clone()).unwrap();
         assert_eq!((defined, defined.group()), (read, Some(ClassGroup::Vehicle)));
         assert_eq!(AnnotationClass::from_name("pallet-1"), Some(defined));
-        assert!(AnnotationClass::define("pallet-1", None).unwrap_err().contains("another group"));
-        assert!(AnnotationClass::define("car", None).unwrap_err().contains("already"));
+        let anything = ClassTraits::default();
+        assert_eq!(AnnotationClass::define("pallet-1", vehicle), Ok(defined));
+        assert!(AnnotationClass::define("pallet-1", anything.clone()).unwrap_err().contains("another one"));
+        assert!(AnnotationClass::define("car", anything.clone()).unwrap_err().contains("already"));
         for name in ["", "Fork Lift", "object", "vehicle"] {
             assert!(
-                AnnotationClass::define(name, None).unwrap_err().contains("no name of a class"),
+                AnnotationClass::define(name, anything.clone()).unwrap_err().contains("no name of a class"),
                 "{name}"
             );
             assert!(AnnotationClass::written(name).is_err(), "{name}");

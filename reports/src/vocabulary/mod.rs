@@ -3,7 +3,9 @@
 pub mod named;
 pub mod study;
 pub mod shard;
+pub mod class_traits;
 pub mod class;
+pub mod taxonomy;
 pub mod task;
 pub mod partial_class;
 pub mod criterion;

@@ -1,7 +1,8 @@
 //! Which annotations count, and which are neither right nor wrong.
 
 use detector::{DetectedClass, Detection};
-use reports::vocabulary::class::{AnnotationClass, ClassGroup};
+use reports::vocabulary::class::AnnotationClass;
+use reports::vocabulary::class_traits::{ClassGroup, ClassTraits};
 use reports::vocabulary::reason::IgnoredAnnotation;
 use reports::vocabulary::task::Task;
 use scans::annotation::{Annotation, LabeledScan, PointRegion, range_m};
@@ -11,7 +12,7 @@ use crate::matching::height_above_ground::heights_above_ground_m;
 use crate::matching::outcome::AnnotationOutcome;
 
 /// In the task *objects* an annotation that reaches higher above the ground than this is tall, in metres; see
-/// [`may_be_tall`].
+/// [`ClassTraits::may_be_tall`].
 ///
 /// Paper: HG, whose objects are short street objects, as vehicles, pedestrians and mail boxes; signs, walls and lamp posts
 /// are tall, from 3.10 m on (section 3.1).
@@ -24,7 +25,7 @@ pub struct EligibilityParams {
     pub min_points: usize,
     /// Annotations and points beyond this distance on the ground plan are ignored, in metres.
     pub max_range_m: f64,
-    /// Annotations that reach higher above the ground are ignored in the task *objects*, in metres: see [`may_be_tall`].
+    /// Annotations that reach higher above the ground are ignored in the task *objects*, in metres: see [`ClassTraits::may_be_tall`].
     pub tall_above_ground_m: f64,
 }
 
@@ -46,15 +47,13 @@ enum Role {
 }
 
 fn role(task: Task, class: AnnotationClass) -> Role {
-    use AnnotationClass as Class;
-    match (task, class) {
-        (Task::Objects, _) => Role::Target,
-        (Task::Vehicles, class) if class.group() == Some(ClassGroup::Vehicle) => Role::Target,
-        (Task::Class(asked), class) if class == asked => Role::Target,
-        (Task::Vehicles, Class::Tram | Class::Trailer) | (Task::Vehicles | Task::Class(_), Class::Misc) => {
-            Role::Ambiguous
-        }
-        (Task::Vehicles | Task::Class(_), _) => Role::Background,
+    match task {
+        Task::Objects => Role::Target,
+        Task::Vehicles if class.group() == Some(ClassGroup::Vehicle) => Role::Target,
+        Task::Vehicles if class.traits().may_be_vehicle => Role::Ambiguous,
+        Task::Class(asked) if class == asked => Role::Target,
+        Task::Class(_) if class == AnnotationClass::Misc => Role::Ambiguous,
+        Task::Vehicles | Task::Class(_) => Role::Background,
     }
 }
 
@@ -66,28 +65,6 @@ pub fn counts_as_vehicle(class: AnnotationClass) -> bool {
 /// Whether annotations of this class may or may not be vehicles, so that the task *vehicles* ignores them.
 pub fn may_be_vehicle(class: AnnotationClass) -> bool {
     role(Task::Vehicles, class) == Role::Ambiguous
-}
-
-/// Whether an annotation of this class may be too tall for the task *objects*: vehicles, trams, trailers, people and cycles
-/// count whatever their height.
-pub fn may_be_tall(class: AnnotationClass) -> bool {
-    use AnnotationClass as Class;
-    match class {
-        Class::Pole | Class::Tree | Class::Hedge | Class::Fence | Class::StreetFurniture | Class::Misc => {
-            true
-        }
-        Class::Own(_) => class.group().is_none(),
-        Class::Car
-        | Class::Van
-        | Class::Truck
-        | Class::Bus
-        | Class::Tram
-        | Class::Trailer
-        | Class::Pedestrian
-        | Class::SittingPerson
-        | Class::Cyclist
-        | Class::ParkedCycle => false,
-    }
 }
 
 /// Whether `task` asks for `detection`.
@@ -117,7 +94,8 @@ pub fn exclusions(
         .collect();
     if task == Task::Objects {
         let may_be_tall = |&annotation_idx: &usize| {
-            exclusions[annotation_idx].is_none() && may_be_tall(scan.annotations[annotation_idx].class)
+            let class = scan.annotations[annotation_idx].class;
+            exclusions[annotation_idx].is_none() && class.traits().may_be_tall()
         };
         let asked: Vec<usize> = (0..exclusions.len()).filter(may_be_tall).collect();
         for (annotation_idx, height_m) in asked.iter().zip(heights_above_ground_m(scan, &asked)) {
@@ -172,7 +150,7 @@ mod tests {
     #[test]
     fn vehicles_people_and_cycles_are_never_tall() {
         use AnnotationClass::{Fence, Hedge, Misc, Pole, StreetFurniture, Tree};
-        let tall: Vec<_> = AnnotationClass::ALL.into_iter().filter(|it| may_be_tall(*it)).collect();
+        let tall: Vec<_> = AnnotationClass::ALL.into_iter().filter(|it| it.traits().may_be_tall()).collect();
         assert_eq!(tall, [Pole, Tree, Hedge, Fence, StreetFurniture, Misc]);
         assert!(!tall.iter().any(|it| counts_as_vehicle(*it)));
     }

@@ -2,10 +2,11 @@
 
 use detector::{DetectedClass, Detection, DetectorOutput, OrientedBox};
 use nalgebra::{Isometry3, Translation3, UnitQuaternion, Vector3};
-use reports::vocabulary::class::{AnnotationClass, ClassGroup};
+use reports::vocabulary::class::AnnotationClass;
+use reports::vocabulary::class_traits::ClassGroup;
 use scans::annotation::LabeledScan;
 use scans::conversion::results::detection_rows::SCORE_OF_NONE;
-use scans::dataset::class_name::class_named;
+use reports::vocabulary::taxonomy::class_named;
 use scans::dataset::foreign_frame::ForeignFrame;
 use scans::dataset::kitti::label::{KittiLabel, KittiObject};
 use scans::dataset::official::{OfficialObject, OfficialScan};

@@ -6,7 +6,7 @@ use reports::rows::official_rows::OfficialRows;
 use reports::rows::ranked_box_row::{BoxKind, BoxState, PairErrors, RankedBox, RankedBoxRow};
 use reports::vocabulary::class::AnnotationClass;
 use reports::vocabulary::protocol::{ERROR_DISTANCE, PAIR_DISTANCES_M, Protocol};
-use scans::dataset::class_name::{class_named, plain_name};
+use reports::vocabulary::taxonomy::{class_named, plain_name};
 use scans::dataset::official::OfficialObject;
 
 use super::official_protocol::{FoundInScan, OfficialProtocol};

@@ -13,7 +13,7 @@ use detector::pipeline::stage_list::{Pipeline, Stages};
 use detector::whole::box_model::BoxModel;
 use detector::whole::reported_boxes::{BoxParams, ReportedBoxes};
 use detector::{DetectedClass, Detection, Detector, DetectorOutput, OrientedBox, PointCloud};
-use reports::vocabulary::class::ClassGroup;
+use reports::vocabulary::class_traits::ClassGroup;
 use scans::foreign::foreign_class::ForeignClass;
 use scans::foreign::points_in_boxes::PointsAlongX;
 

@@ -6,7 +6,6 @@ use detector::OrientedBox;
 use reports::vocabulary::class::{AnnotationClass, Occlusion};
 
 use crate::annotation::Annotation;
-use crate::dataset::kitti::label::WRITTEN_CLASSES;
 
 /// A camera at the sensor that looks along x, so that boxes change axes and nothing else.
 pub const CALIBRATION: &str = "\
@@ -43,18 +42,9 @@ pub fn wrapped(angle_rad: f64) -> f64 {
     (angle_rad + PI).rem_euclid(2.0 * PI) - PI
 }
 
-/// KITTI's word for `class`, or one that its evaluators pass over.
+/// KITTI's word for `class`, or its own name, which the evaluators of KITTI pass over.
 pub(super) fn class_word(class: AnnotationClass) -> &'static str {
-    match class {
-        AnnotationClass::Car => "Car",
-        AnnotationClass::Van => "Van",
-        AnnotationClass::Truck => "Truck",
-        AnnotationClass::Pedestrian => "Pedestrian",
-        AnnotationClass::SittingPerson => "Person_sitting",
-        AnnotationClass::Cyclist => "Cyclist",
-        AnnotationClass::Tram => "Tram",
-        _ => WRITTEN_CLASSES.iter().find(|(_, it)| *it == class).map_or("Misc", |(word, _)| *word),
-    }
+    class.traits().written.kitti.as_deref().unwrap_or(class.name())
 }
 
 #[cfg(test)]

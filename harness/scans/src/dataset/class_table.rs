@@ -6,7 +6,7 @@ use std::fmt::Write as _;
 use reports::run_folder::command_line::shell_word;
 use reports::vocabulary::class::AnnotationClass;
 
-use super::class_name::{class_named, likeliest_class, plain_name};
+use reports::vocabulary::taxonomy::{class_named, likeliest_class, plain_name};
 use super::{AnnotatedClasses, DatasetError};
 
 /// At most this many names are listed.

@@ -36,7 +36,6 @@ pub mod upright_box;
 pub mod pose;
 pub mod time_pairs;
 pub mod checksum;
-pub mod class_name;
 pub mod class_table;
 mod written_classes;
 pub mod simulation;

@@ -3,7 +3,7 @@
 use detector::GivenClass;
 use reports::vocabulary::class::AnnotationClass;
 
-use crate::dataset::class_name::plain_name;
+use reports::vocabulary::taxonomy::plain_name;
 
 /// Words that say less than a class: a group, or nothing.
 const GENERAL_WORDS: [&str; 5] = ["vehicle", "vehicles", "object", "objects", "misc"];

@@ -2,7 +2,7 @@
 
 use reports::vocabulary::partial_class::PartialClass;
 
-use crate::dataset::class_name::{class_named, plain_name};
+use reports::vocabulary::taxonomy::{class_named, plain_name};
 
 /// Names besides those of annotations, in the singular.
 const OTHER_NAMES: [&str; 12] = [

@@ -2,9 +2,9 @@
 
 use std::path::Path;
 
-use reports::vocabulary::class::{AnnotationClass, ClassGroup};
+use reports::vocabulary::class::AnnotationClass;
+use reports::vocabulary::class_traits::ClassTraits;
 use scans::dataset::class_table::{ClassTable, class_of_word};
-use serde::Deserialize;
 use toml::de::DeTable;
 use toml::{Table, Value};
 
@@ -19,17 +19,6 @@ pub(super) const CLASSES: &str = "classes";
 
 /// The table of classes of the user, which are no parameters either.
 pub(super) const OWN_CLASSES: &str = "class";
-
-/// A class of the user.
-#[derive(Deserialize)]
-#[serde(deny_unknown_fields)]
-struct OwnClassEntry {
-    /// The group that it belongs to.
-    group: Option<ClassGroup>,
-    /// Its other names, in labels and results.
-    #[serde(default)]
-    names: Vec<String>,
-}
 
 /// Contents of a document besides values of parameters.
 pub(super) struct Applied {
@@ -88,12 +77,13 @@ impl OverrideFile<'_> {
         };
         for (name, value) in written {
             let keys = [OWN_CLASSES, name.as_str()];
-            let entry: OwnClassEntry = value
+            let traits: ClassTraits = value
                 .try_into()
                 .map_err(|error: toml::de::Error| at(&keys, format!(": {}", error.message())))?;
-            let class = AnnotationClass::define(&name, entry.group);
+            let words = traits.names.clone();
+            let class = AnnotationClass::define(&name, traits);
             let class = class.map_err(|problem| at(&keys, format!(": {problem}")))?;
-            for word in entry.names.iter().chain([&name]) {
+            for word in words.iter().chain([&name]) {
                 classes.insert(word, class);
             }
         }

@@ -10,7 +10,6 @@ use arrow_array::{ArrayRef, Float64Array, Int64Array, RecordBatch, StringArray};
 use arrow_ipc::writer::FileWriter;
 use arrow_schema::ArrowError;
 use detector::DetectorOutput;
-use reports::vocabulary::class::AnnotationClass;
 use reports::vocabulary::protocol::Protocol;
 
 use super::class_words::word_among;
@@ -24,21 +23,6 @@ use crate::dataset::upright_box::pose_of_box;
 
 /// The name of the file.
 const NAME: &str = "detections.feather";
-
-/// The categories of our classes.
-const CATEGORIES: [(AnnotationClass, &str); 11] = [
-    (AnnotationClass::Car, "REGULAR_VEHICLE"),
-    (AnnotationClass::Van, "REGULAR_VEHICLE"),
-    (AnnotationClass::Truck, "TRUCK"),
-    (AnnotationClass::Bus, "BUS"),
-    (AnnotationClass::Trailer, "VEHICULAR_TRAILER"),
-    (AnnotationClass::Tram, "RAILED_VEHICLE"),
-    (AnnotationClass::Pedestrian, "PEDESTRIAN"),
-    (AnnotationClass::SittingPerson, "WHEELCHAIR"),
-    (AnnotationClass::Cyclist, "BICYCLIST"),
-    (AnnotationClass::ParkedCycle, "BICYCLE"),
-    (AnnotationClass::Pole, "SIGN"),
-];
 
 /// The columns that hold numbers.
 const NUMBERS: [&str; 11] =
@@ -61,7 +45,7 @@ impl ResultWriter for Argoverse2Results {
         };
         let words = Protocol::Argoverse2.ranked_classes();
         for (detection, is_unlikely) in ranked(output) {
-            let Some(category) = word_among(&detection, words, &CATEGORIES) else { continue };
+            let Some(category) = word_among(&detection, words, |it| it.argoverse2.as_deref()) else { continue };
             self.categories.push(category);
             let car_from_box = car_from_sensor * pose_of_box(&detection.bounding_box);
             let (at, turn) = (car_from_box.translation.vector, car_from_box.rotation);

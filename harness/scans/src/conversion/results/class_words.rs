@@ -2,10 +2,11 @@
 
 use detector::{DetectedClass, Detection};
 use reports::vocabulary::class::{AnnotationClass, DetectionClass};
+use reports::vocabulary::class_traits::WrittenWords;
 
 use super::detection_rows::detection_class;
 use crate::conversion::kitti_label_line::class_word;
-use crate::dataset::class_name::plain_name;
+use reports::vocabulary::taxonomy::plain_name;
 
 /// KITTI's word for a detection. Its evaluators pass over words that they do not know, and over `Misc`.
 pub fn kitti_word(detection: &Detection<'_>) -> &'static str {
@@ -16,14 +17,14 @@ pub fn kitti_word(detection: &Detection<'_>) -> &'static str {
     }
 }
 
-/// The one of `words` for a detection: that of its detector, in any spelling, or else the one of `by_class` for its class; for
-/// a vehicle without a class that of a car. `None` if the format has none.
+/// The one of `words` for a detection: that of its detector, in any spelling, or else the one of its class, which is
+/// `of_class`; for a vehicle without a class that of a car. `None` if the format has none.
 pub fn word_among(
     detection: &Detection<'_>,
     words: &[&'static str],
-    by_class: &[(AnnotationClass, &'static str)],
+    of_class: fn(&'static WrittenWords) -> Option<&'static str>,
 ) -> Option<&'static str> {
-    let of_class = |class| by_class.iter().find(|(it, _)| *it == class).map(|(_, word)| *word);
+    let of_class = |class: AnnotationClass| of_class(&class.traits().written);
     match (detection.given, detection_class(detection), detection.class) {
         (Some(given), DetectionClass::Given(class), _) => {
             let plain = plain_name(given.word());
@@ -48,22 +49,18 @@ mod tests {
     #[test]
     fn every_class_has_the_nearest_word() {
         use DetectedClass::{Object, Vehicle};
-        let words = ["CAR", "BOX_TRUCK", "TRUCK", "PEDESTRIAN"];
-        let by_class = [
-            (AnnotationClass::Car, "CAR"),
-            (AnnotationClass::Truck, "TRUCK"),
-            (AnnotationClass::Pedestrian, "PEDESTRIAN"),
-        ];
+        let words = ["BOX_TRUCK", "TRUCK"];
+        let of_class = |it: &'static WrittenWords| it.argoverse2.as_deref();
         for (kind, given, kitti, among) in [
-            (Vehicle, None, "Car", Some("CAR")),
+            (Vehicle, None, "Car", Some("REGULAR_VEHICLE")),
             (Object, None, "Misc", None),
             (Vehicle, Some(["truck", "box.truck"]), "Truck", Some("BOX_TRUCK")),
             (Vehicle, Some(["truck", "lorry"]), "Truck", Some("TRUCK")),
             (Object, Some(["pedestrian", "Pedestrian"]), "Pedestrian", Some("PEDESTRIAN")),
-            (Object, Some(["pole", "pole"]), "Pole", None),
+            (Object, Some(["tree", "tree"]), "Tree", None),
         ] {
             let it = detection(kind, given);
-            assert_eq!((kitti_word(&it), word_among(&it, &words, &by_class)), (kitti, among), "{given:?}");
+            assert_eq!((kitti_word(&it), word_among(&it, &words, of_class)), (kitti, among), "{given:?}");
         }
     }
 }

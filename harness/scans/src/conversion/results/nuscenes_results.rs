@@ -7,7 +7,6 @@
 //! all are taken as log odds and written as probabilities, in the same order. A key of ours says which vehicles are unlikely.
 
 use detector::DetectorOutput;
-use reports::vocabulary::class::AnnotationClass;
 use reports::vocabulary::protocol::Protocol;
 use serde_json::{Map, Value, json};
 
@@ -21,18 +20,6 @@ use crate::dataset::upright_box::pose_of_box;
 
 /// The name of the file.
 const NAME: &str = "results_nusc.json";
-
-/// The names of our classes.
-const NAMES: [(AnnotationClass, &str); 8] = [
-    (AnnotationClass::Car, "car"),
-    (AnnotationClass::Van, "car"),
-    (AnnotationClass::Truck, "truck"),
-    (AnnotationClass::Bus, "bus"),
-    (AnnotationClass::Trailer, "trailer"),
-    (AnnotationClass::Pedestrian, "pedestrian"),
-    (AnnotationClass::Cyclist, "bicycle"),
-    (AnnotationClass::ParkedCycle, "bicycle"),
-];
 
 /// A submission that is being filled.
 #[derive(Default)]
@@ -49,7 +36,7 @@ impl ResultWriter for NuScenesResults {
         let mut boxes = Vec::new();
         let words = Protocol::Nuscenes.ranked_classes();
         for (detection, is_unlikely) in ranked(output) {
-            let Some(name) = word_among(&detection, words, &NAMES) else { continue };
+            let Some(name) = word_among(&detection, words, |it| it.nuscenes.as_deref()) else { continue };
             let score = f64::from(detection.box_score().unwrap_or(SCORE_OF_NONE));
             self.has_log_odds |= !(0.0..=1.0).contains(&score);
             let world_from_box = world_from_sensor * pose_of_box(&detection.bounding_box);

@@ -53,9 +53,9 @@ pub const ARGOVERSE2_CLASSES: [AnnotationClass; 12] = [
     AnnotationClass::ParkedCycle,
     AnnotationClass::Tram,
     AnnotationClass::Trailer,
+    AnnotationClass::Animal,
     AnnotationClass::Pole,
     AnnotationClass::StreetFurniture,
-    AnnotationClass::Misc,
 ];
 
 /// An open data set: it holds the names of sweeps, and the boxes of the log that was last read from.

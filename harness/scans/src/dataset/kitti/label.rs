@@ -6,7 +6,7 @@ use std::path::Path;
 use reports::vocabulary::class::{AnnotationClass, Occlusion};
 
 use crate::dataset::DatasetError;
-use crate::dataset::class_name::plain_name;
+use reports::vocabulary::taxonomy::plain_name;
 use crate::dataset::class_table::{ClassReader, Vocabulary};
 use crate::dataset::text_file::{TextLine, quoted, text_lines};
 
@@ -20,18 +20,6 @@ pub const KITTI_CLASSES: [AnnotationClass; 8] = [
     AnnotationClass::Cyclist,
     AnnotationClass::Tram,
     AnnotationClass::Misc,
-];
-
-/// Names for classes that the benchmarks do not have, as converted data sets write them.
-pub const WRITTEN_CLASSES: [(&str, AnnotationClass); 8] = [
-    ("Bus", AnnotationClass::Bus),
-    ("ParkedCycle", AnnotationClass::ParkedCycle),
-    ("Trailer", AnnotationClass::Trailer),
-    ("Pole", AnnotationClass::Pole),
-    ("Tree", AnnotationClass::Tree),
-    ("Hedge", AnnotationClass::Hedge),
-    ("Fence", AnnotationClass::Fence),
-    ("StreetFurniture", AnnotationClass::StreetFurniture),
 ];
 
 /// Names with another meaning in KITTI than elsewhere: the tracking benchmark's *person* sits.

@@ -32,7 +32,7 @@ pub const NUSCENES_SENSOR: &str = "hdl-32e";
 pub const NUSCENES_SENSOR_HEIGHT_M: f32 = 1.84;
 
 /// The labelled classes: objects that move by themselves, and objects that are moved about.
-pub const NUSCENES_CLASSES: [AnnotationClass; 11] = [
+pub const NUSCENES_CLASSES: [AnnotationClass; 12] = [
     AnnotationClass::Car,
     AnnotationClass::Van,
     AnnotationClass::Truck,
@@ -42,8 +42,9 @@ pub const NUSCENES_CLASSES: [AnnotationClass; 11] = [
     AnnotationClass::Cyclist,
     AnnotationClass::ParkedCycle,
     AnnotationClass::Trailer,
+    AnnotationClass::ConstructionVehicle,
+    AnnotationClass::Animal,
     AnnotationClass::StreetFurniture,
-    AnnotationClass::Misc,
 ];
 
 /// The tables that distinguish a version from other folders, and count for the checksum.

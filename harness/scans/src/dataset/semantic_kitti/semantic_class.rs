@@ -1,6 +1,7 @@
 //! Classes of the numbers in SemanticKITTI's labels, and how their points are treated.
 
-use reports::vocabulary::class::{AnnotationClass, ClassGroup};
+use reports::vocabulary::class::AnnotationClass;
+use reports::vocabulary::class_traits::ClassGroup;
 
 /// Treatment of the points of a label.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -66,7 +67,7 @@ pub fn number_of(class: AnnotationClass) -> u16 {
             Some(ClassGroup::Cycle) => 11,
             None => 99,
         },
-        Class::Trailer | Class::Misc => 20,
+        Class::Trailer | Class::ConstructionVehicle | Class::Animal | Class::Misc => 20,
         Class::Pedestrian | Class::SittingPerson => 30,
         Class::Cyclist => 31,
         Class::Fence => 51,

@@ -1,115 +1,32 @@
-//! Names of classes in annotation tools, recordings and other data sets.
+//! The classes that words stand for: those of makers, of users, and of people.
 
-use reports::vocabulary::class::AnnotationClass;
+use std::collections::HashMap;
+use std::sync::LazyLock;
 
-/// The class that `name` stands for, in any spelling: ours, KITTI's, that of nuScenes or Argoverse 2, or a plain word;
-/// `None` if it is unknown.
-pub fn class_named(name: &str) -> Option<AnnotationClass> {
-    use AnnotationClass as Class;
-    let name = plain_name(name);
-    if let Some(class) = Class::from_name(&name) {
-        return Some(class);
-    }
-    Some(match name.as_str() {
-        "vehicle-car" | "regular-vehicle" | "automobile" | "suv" | "vehicle-emergency-police" | "vehicle" => {
-            Class::Car
-        }
-        "vehicle-emergency-ambulance" => Class::Van,
-        "large-vehicle" | "box-truck" | "vehicle-truck" | "truck-cab" | "lorry" => Class::Truck,
-        "school-bus" | "articulated-bus" | "vehicle-bus-rigid" | "vehicle-bus-bendy" => Class::Bus,
-        "vehicular-trailer" | "vehicle-trailer" | "message-board-trailer" | "traffic-light-trailer" => {
-            Class::Trailer
-        }
-        "railed-vehicle" | "train" => Class::Tram,
-        "human-pedestrian-adult"
-        | "human-pedestrian-child"
-        | "human-pedestrian-construction-worker"
-        | "human-pedestrian-police-officer"
-        | "official-signaler"
-        | "person"
-        | "human" => Class::Pedestrian,
-        "person-sitting"
-        | "sittingperson"
-        | "human-pedestrian-personal-mobility"
-        | "human-pedestrian-stroller"
-        | "human-pedestrian-wheelchair"
-        | "wheelchair"
-        | "stroller" => Class::SittingPerson,
-        "bicyclist" | "motorcyclist" | "wheeled-rider" | "rider" => Class::Cyclist,
-        "bicycle"
-        | "motorcycle"
-        | "motorbike"
-        | "bike"
-        | "parkedcycle"
-        | "wheeled-device"
-        | "vehicle-bicycle"
-        | "vehicle-motorcycle"
-        | "static-object-bicycle-rack" => Class::ParkedCycle,
-        "sign" | "stop-sign" | "traffic-sign" | "traffic-light" | "lamp-post" => Class::Pole,
-        "trunk" => Class::Tree,
-        "bollard"
-        | "traffic-cone"
-        | "barrier"
-        | "construction-cone"
-        | "construction-barrel"
-        | "movable-object-barrier"
-        | "movable-object-trafficcone"
-        | "movable-object-pushable-pullable"
-        | "movable-object-debris"
-        | "mobile-pedestrian-sign"
-        | "mobile-pedestrian-crossing-sign"
-        | "streetfurniture" => Class::StreetFurniture,
-        // Classes that the makers of data sets label and we do not have.
-        "animal" | "dog" | "vehicle-construction" | "construction-vehicle" => Class::Misc,
-        _ => return None,
-    })
+use super::class::AnnotationClass;
+use super::class_traits::{ClassTraits, shipped_classes};
+
+/// The classes of ours by their words, in the spelling of [`plain_name`].
+struct Words {
+    by_name: HashMap<String, AnnotationClass>,
+    by_hint: HashMap<String, AnnotationClass>,
 }
 
-/// Words in names, in the spelling of [`plain_name`], with the class that they make likely.
-const CLASS_WORDS: &[(&str, AnnotationClass)] = &[
-    ("trailer", AnnotationClass::Trailer),
-    ("tram", AnnotationClass::Tram),
-    ("rail", AnnotationClass::Tram),
-    ("bus", AnnotationClass::Bus),
-    ("coach", AnnotationClass::Bus),
-    ("van", AnnotationClass::Van),
-    ("minivan", AnnotationClass::Van),
-    ("ambulance", AnnotationClass::Van),
-    ("truck", AnnotationClass::Truck),
-    ("hgv", AnnotationClass::Truck),
-    ("cyclist", AnnotationClass::Cyclist),
-    ("rider", AnnotationClass::Cyclist),
-    ("biker", AnnotationClass::Cyclist),
-    ("scooter", AnnotationClass::ParkedCycle),
-    ("moped", AnnotationClass::ParkedCycle),
-    ("cycle", AnnotationClass::ParkedCycle),
-    ("twowheeler", AnnotationClass::ParkedCycle),
-    ("vru", AnnotationClass::Pedestrian),
-    ("people", AnnotationClass::Pedestrian),
-    ("man", AnnotationClass::Pedestrian),
-    ("woman", AnnotationClass::Pedestrian),
-    ("child", AnnotationClass::Pedestrian),
-    ("adult", AnnotationClass::Pedestrian),
-    ("worker", AnnotationClass::Pedestrian),
-    ("walker", AnnotationClass::Pedestrian),
-    ("post", AnnotationClass::Pole),
-    ("lamp", AnnotationClass::Pole),
-    ("light", AnnotationClass::Pole),
-    ("bush", AnnotationClass::Hedge),
-    ("vegetation", AnnotationClass::Hedge),
-    ("railing", AnnotationClass::Fence),
-    ("guardrail", AnnotationClass::Fence),
-    ("cone", AnnotationClass::StreetFurniture),
-    ("barrier", AnnotationClass::StreetFurniture),
-    ("bench", AnnotationClass::StreetFurniture),
-    ("bin", AnnotationClass::StreetFurniture),
-    ("cars", AnnotationClass::Car),
-    ("taxi", AnnotationClass::Car),
-    ("sedan", AnnotationClass::Car),
-    ("pickup", AnnotationClass::Car),
-    ("auto", AnnotationClass::Car),
-    ("vehicles", AnnotationClass::Car),
-];
+static WORDS: LazyLock<Words> = LazyLock::new(|| {
+    let by = |words: fn(&ClassTraits) -> &[String]| {
+        let of_class = |class: AnnotationClass| {
+            shipped_classes().get(class.name()).into_iter().flat_map(words).map(move |it| (plain_name(it), class))
+        };
+        AnnotationClass::ALL.into_iter().flat_map(of_class).collect()
+    };
+    Words { by_name: by(|it| &it.names), by_hint: by(|it| &it.hints) }
+});
+
+/// The class that `name` stands for, in any spelling: a class, or a word that its table has; `None` if it is unknown.
+pub fn class_named(name: &str) -> Option<AnnotationClass> {
+    let name = plain_name(name);
+    AnnotationClass::from_name(&name).or_else(|| WORDS.by_name.get(&name).copied())
+}
 
 /// The class that the unknown `name` most likely means, by the words in it; *misc* if no word has a class.
 pub fn likeliest_class(name: &str) -> AnnotationClass {
@@ -127,8 +44,8 @@ pub fn likeliest_class(name: &str) -> AnnotationClass {
     // *vehicle* and *object* say less than the words beside them.
     let class_of_word = |word: &&str| {
         let singular = word.strip_suffix('s').unwrap_or(word);
-        let of_word = |it: &str| CLASS_WORDS.iter().find(|(word, _)| *word == it).map(|(_, class)| *class);
-        [*word, singular].into_iter().find_map(|it| of_word(it).or_else(|| class_named(it)))
+        let of_hint = |it: &str| WORDS.by_hint.get(it).copied();
+        [*word, singular].into_iter().find_map(|it| of_hint(it).or_else(|| class_named(it)))
     };
     let is_general = |it: &&&str| matches!(**it, "vehicle" | "vehicles" | "human" | "misc");
     let special = words.iter().rev().filter(|it| !is_general(it)).find_map(class_of_word);
@@ -145,7 +62,22 @@ pub fn plain_name(name: &str) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use reports::vocabulary::protocol::Protocol;
+    use crate::vocabulary::protocol::Protocol;
+
+    #[test]
+    fn every_word_stands_for_one_class() {
+        let all = || shipped_classes().values();
+        let (n_names, n_hints) = (all().flat_map(|it| &it.names).count(), all().flat_map(|it| &it.hints).count());
+        assert_eq!((WORDS.by_name.len(), WORDS.by_hint.len()), (n_names, n_hints));
+        for class in AnnotationClass::ALL {
+            let written = &class.traits().written;
+            let ranked = |protocol: Protocol, word: &Option<String>| {
+                word.as_deref().is_none_or(|it| protocol.class_named(it).is_some())
+            };
+            assert!(written.kitti.as_deref().is_some_and(|it| class_named(it) == Some(class)), "{class}");
+            assert!(ranked(Protocol::Nuscenes, &written.nuscenes), "{class}");
+        }
+    }
 
     #[test]
     fn classes_are_known_in_many_spellings() {
