@@ -65,8 +65,7 @@ struct ShippedClasses {
 
 /// What is known of the classes of ours, by their names.
 pub fn shipped_classes() -> &'static BTreeMap<String, ClassTraits> {
-    static SHIPPED: LazyLock<ShippedClasses> = LazyLock::new(|| {
-        toml::from_str(include_str!("classes.toml")).expect("the embedded file is tested")
-    });
+    static SHIPPED: LazyLock<ShippedClasses> =
+        LazyLock::new(|| toml::from_str(include_str!("classes.toml")).expect("the embedded file is tested"));
     &SHIPPED.class
 }

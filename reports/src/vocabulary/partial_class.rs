@@ -37,6 +37,8 @@ impl PartialClass {
             | AnnotationClass::ParkedCycle
             | AnnotationClass::Tram
             | AnnotationClass::Trailer
+            | AnnotationClass::ConstructionVehicle
+            | AnnotationClass::Animal
             | AnnotationClass::Hedge
             | AnnotationClass::Fence
             | AnnotationClass::StreetFurniture

@@ -15,7 +15,11 @@ struct Words {
 static WORDS: LazyLock<Words> = LazyLock::new(|| {
     let by = |words: fn(&ClassTraits) -> &[String]| {
         let of_class = |class: AnnotationClass| {
-            shipped_classes().get(class.name()).into_iter().flat_map(words).map(move |it| (plain_name(it), class))
+            shipped_classes()
+                .get(class.name())
+                .into_iter()
+                .flat_map(words)
+                .map(move |it| (plain_name(it), class))
         };
         AnnotationClass::ALL.into_iter().flat_map(of_class).collect()
     };
@@ -67,7 +71,8 @@ mod tests {
     #[test]
     fn every_word_stands_for_one_class() {
         let all = || shipped_classes().values();
-        let (n_names, n_hints) = (all().flat_map(|it| &it.names).count(), all().flat_map(|it| &it.hints).count());
+        let (n_names, n_hints) =
+            (all().flat_map(|it| &it.names).count(), all().flat_map(|it| &it.hints).count());
         assert_eq!((WORDS.by_name.len(), WORDS.by_hint.len()), (n_names, n_hints));
         for class in AnnotationClass::ALL {
             let written = &class.traits().written;

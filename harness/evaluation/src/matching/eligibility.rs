@@ -2,7 +2,7 @@
 
 use detector::{DetectedClass, Detection};
 use reports::vocabulary::class::AnnotationClass;
-use reports::vocabulary::class_traits::{ClassGroup, ClassTraits};
+use reports::vocabulary::class_traits::ClassGroup;
 use reports::vocabulary::reason::IgnoredAnnotation;
 use reports::vocabulary::task::Task;
 use scans::annotation::{Annotation, LabeledScan, PointRegion, range_m};
@@ -12,7 +12,7 @@ use crate::matching::height_above_ground::heights_above_ground_m;
 use crate::matching::outcome::AnnotationOutcome;
 
 /// In the task *objects* an annotation that reaches higher above the ground than this is tall, in metres; see
-/// [`ClassTraits::may_be_tall`].
+/// [`reports::vocabulary::class_traits::ClassTraits::may_be_tall`].
 ///
 /// Paper: HG, whose objects are short street objects, as vehicles, pedestrians and mail boxes; signs, walls and lamp posts
 /// are tall, from 3.10 m on (section 3.1).
@@ -25,7 +25,7 @@ pub struct EligibilityParams {
     pub min_points: usize,
     /// Annotations and points beyond this distance on the ground plan are ignored, in metres.
     pub max_range_m: f64,
-    /// Annotations that reach higher above the ground are ignored in the task *objects*, in metres: see [`ClassTraits::may_be_tall`].
+    /// Annotations that reach higher above the ground are ignored in the task *objects*, in metres: see [`reports::vocabulary::class_traits::ClassTraits::may_be_tall`].
     pub tall_above_ground_m: f64,
 }
 

@@ -6,8 +6,8 @@ use std::fmt::Write as _;
 use reports::run_folder::command_line::shell_word;
 use reports::vocabulary::class::AnnotationClass;
 
-use reports::vocabulary::taxonomy::{class_named, likeliest_class, plain_name};
 use super::{AnnotatedClasses, DatasetError};
+use reports::vocabulary::taxonomy::{class_named, likeliest_class, plain_name};
 
 /// At most this many names are listed.
 const MAX_LISTED: usize = 50;

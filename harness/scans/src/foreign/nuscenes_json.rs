@@ -22,20 +22,13 @@ use super::detections::{ForeignBox, ForeignDetections};
 use super::result_reader::{FoundInScan, OpenResults, ResultReader, ResultsOf};
 use crate::annotation::LabeledScan;
 use crate::dataset::DatasetError;
-use crate::dataset::class_table::{ClassReader, Vocabulary};
+use crate::dataset::class_table::ClassReader;
 use crate::dataset::foreign_frame::ForeignFrame;
 use crate::dataset::official::OfficialObject;
 use crate::dataset::pose::pose;
 use crate::dataset::python_json::{check_finite, number_or_none, numbers, numbers_or_none, python_json};
 use crate::dataset::upright_box::upright_box;
 use crate::foreign::foreign_class::ForeignClass;
-
-/// The names of the detection task that differ from those of the labels.
-pub const NUSCENES_VOCABULARY: &Vocabulary = &[
-    ("construction_vehicle", AnnotationClass::Misc),
-    ("traffic_cone", AnnotationClass::StreetFurniture),
-    ("barrier", AnnotationClass::StreetFurniture),
-];
 
 /// The attribute of a cycle with a rider.
 pub const WITH_RIDER: &str = "cycle.with_rider";
@@ -61,7 +54,7 @@ impl NuScenesJson {
                 scans.insert(sample_token, (scan_idx, world_from_sensor.inverse()));
             }
         }
-        let mut classes = ClassReader::new(of.classes, NUSCENES_VOCABULARY);
+        let mut classes = ClassReader::new(of.classes, &[]);
         let mut submission = Submission {
             path,
             scans,

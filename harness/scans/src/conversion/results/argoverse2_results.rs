@@ -45,7 +45,9 @@ impl ResultWriter for Argoverse2Results {
         };
         let words = Protocol::Argoverse2.ranked_classes();
         for (detection, is_unlikely) in ranked(output) {
-            let Some(category) = word_among(&detection, words, |it| it.argoverse2.as_deref()) else { continue };
+            let Some(category) = word_among(&detection, words, |it| it.argoverse2.as_deref()) else {
+                continue;
+            };
             self.categories.push(category);
             let car_from_box = car_from_sensor * pose_of_box(&detection.bounding_box);
             let (at, turn) = (car_from_box.translation.vector, car_from_box.rotation);

@@ -6,9 +6,9 @@ use std::path::Path;
 use reports::vocabulary::class::{AnnotationClass, Occlusion};
 
 use crate::dataset::DatasetError;
-use reports::vocabulary::taxonomy::plain_name;
 use crate::dataset::class_table::{ClassReader, Vocabulary};
 use crate::dataset::text_file::{TextLine, quoted, text_lines};
+use reports::vocabulary::taxonomy::plain_name;
 
 /// The labelled classes. Buses are labelled as trucks; poles and trees are not labelled at all.
 pub const KITTI_CLASSES: [AnnotationClass; 8] = [
