@@ -30,6 +30,7 @@ use crate::run_folder::run_directory::{
 };
 use crate::run_folder::run_target::MANIFEST_JSON;
 use crate::tables::class_table::{ClassTable, class_tables};
+use crate::tables::slice_table::{SliceTable, slice_tables};
 use crate::tables::protocol_in_short::ProtocolInShort;
 use crate::tables::run_in_short::RunInShort;
 use crate::tables::task_table::{TableError, TaskTable, task_tables};
@@ -105,6 +106,8 @@ pub struct RunFacts {
     pub(crate) given: GivenClasses,
     /// Tables of the classes that detectors give, one for each data set, and for several together.
     pub classes: Vec<ClassTable>,
+    /// Tables of the slices of the user, one for each data set, and for several together.
+    pub slices: Vec<SliceTable>,
     /// Annotated classes by given classes: the rows of `confusion.csv`.
     pub confusion: Vec<ConfusionRow>,
     /// How far detectors agree where nothing is labelled.
@@ -225,6 +228,7 @@ impl RunFacts {
             protocols,
             given,
             classes: class_tables(&report, &manifest, &confusion),
+            slices: slice_tables(&report, &manifest),
             confusion,
             agreement,
             has_recording,

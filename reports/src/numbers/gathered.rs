@@ -20,8 +20,9 @@ pub(crate) struct Gathered {
     pub(super) counts: Option<Counts>,
     has_enough_drives: bool,
     pub(super) slices: BTreeMap<Slice, BlockSums>,
-    /// The detections that count; `None` if the task does not rank them, or once one of them came without a score.
-    ranked: Option<Vec<RankedDetection>>,
+    /// The detections that count, of each slice that ranks them; `None` if the task does not, or once one of them came without
+    /// a score.
+    ranked: Option<BTreeMap<Slice, Vec<RankedDetection>>>,
 }
 
 impl Gathered {
@@ -32,15 +33,17 @@ impl Gathered {
             counts: None,
             has_enough_drives,
             slices: BTreeMap::new(),
-            ranked: task.ranks_detections().then(Vec::new),
+            ranked: task.ranks_detections().then(BTreeMap::new),
         }
     }
 
-    /// The detections that count; `None` if they are not ranked, or if rows of matches are not kept.
-    pub(crate) fn all_ranked(&self) -> Option<&[RankedDetection]> {
+    /// The detections of `slice` that count; `None` if they are not ranked, or if rows of matches are not kept.
+    pub(crate) fn ranked(&self, slice: Slice) -> Option<&[RankedDetection]> {
+        let ranked = self.ranked.as_ref()?;
+        let of_slice = |slice| ranked.get(&slice).map_or(&[][..], Vec::as_slice);
         let n_detections = self.counts.and_then(Counts::nd);
-        let is_whole = |it: &&[RankedDetection]| n_detections.is_none_or(|n| n == it.len() as u64);
-        self.ranked.as_deref().filter(is_whole)
+        let is_whole = n_detections.is_none_or(|n| n == of_slice(Slice::All).len() as u64);
+        is_whole.then(|| of_slice(slice))
     }
 
     /// Keeps sums of whole drives only, since these will be drawn.
@@ -77,9 +80,15 @@ impl Gathered {
         }
     }
 
-    pub(super) fn rank(&mut self, detection: &DetectionFacts, is_match: bool) {
+    /// Ranks a detection, in those of `slices` that rank them, too.
+    pub(super) fn rank(&mut self, detection: &DetectionFacts, is_match: bool, slices: &[Slice]) {
         match (detection.score, &mut self.ranked) {
-            (Some(score), Some(ranked)) => ranked.push(RankedDetection { score, is_match }),
+            (Some(score), Some(ranked)) => {
+                let of_slices = slices.iter().filter(|it| it.ranks_detections());
+                for slice in of_slices.chain([&Slice::All]) {
+                    ranked.entry(*slice).or_default().push(RankedDetection { score, is_match });
+                }
+            }
             (None, _) => self.ranked = None,
             (_, None) => {}
         }

@@ -15,6 +15,7 @@ use crate::rows::stage_row::StageRow;
 use crate::vocabulary::extent::OVERALL;
 use crate::vocabulary::formula::Term;
 use crate::vocabulary::origin::Origin;
+use crate::vocabulary::own_slice::{Extents, OwnSlice, SliceBounds};
 use crate::vocabulary::slice::Slice;
 use crate::vocabulary::task::Task;
 
@@ -61,6 +62,7 @@ pub struct Tally {
     processors: Processors,
     // Ids of the data sets that are simulated, whether there are rows of them or not.
     simulated: BTreeSet<String>,
+    own_slices: Vec<(OwnSlice, SliceBounds)>,
 }
 
 /// Whether times of a run may be put together.
@@ -90,6 +92,11 @@ impl Tally {
     /// This tally with named blocks: `blocks` holds the block of a scan by id of the data set and name of the scan.
     pub fn with_blocks(self, blocks: BTreeMap<String, BTreeMap<String, String>>) -> Self {
         Self { blocks, ..self }
+    }
+
+    /// This tally with slices of the user.
+    pub fn with_slices(self, own_slices: Vec<(OwnSlice, SliceBounds)>) -> Self {
+        Self { own_slices, ..self }
     }
 
     /// This tally with these as its first detectors, in this order.
@@ -149,21 +156,29 @@ impl Tally {
         let has_enough_drives = self.has_enough_drives(key.dataset);
         let gathered =
             self.of_key.entry(key).or_insert_with(|| Gathered::of_task(row.task, has_enough_drives));
+        let with_own = |mut slices: Vec<Slice>, extents: &Extents| {
+            let own = self.own_slices.iter().filter(|(_, bounds)| bounds.holds(extents));
+            slices.extend(own.map(|(slice, _)| Slice::Own(*slice)));
+            slices
+        };
         match &row.outcome {
             MatchOutcome::Matched { annotation, detection, .. } => {
-                gathered.add_to_slices(&slices_of_annotation(annotation), block, Term::Annotations);
-                gathered.add_to_slices(&slices_of_annotation(annotation), block, Term::Matched);
-                gathered.rank(detection, true);
+                let slices = with_own(slices_of_annotation(annotation), &annotation.extents());
+                gathered.add_to_slices(&slices, block, Term::Annotations);
+                gathered.add_to_slices(&slices, block, Term::Matched);
+                gathered.rank(detection, true, &slices);
                 if let Some(labelled) = &annotation.bounding_box {
                     add_box_errors(gathered.sums(Slice::All, block), labelled, &detection.bounding_box);
                 }
             }
             MatchOutcome::Missed { annotation, .. } => {
-                gathered.add_to_slices(&slices_of_annotation(annotation), block, Term::Annotations);
+                let slices = with_own(slices_of_annotation(annotation), &annotation.extents());
+                gathered.add_to_slices(&slices, block, Term::Annotations);
             }
             MatchOutcome::False { detection, .. } => {
-                gathered.add_to_slices(&slices_of_detection(detection), block, Term::False);
-                gathered.rank(detection, false);
+                let slices = with_own(slices_of_detection(detection), &detection.extents());
+                gathered.add_to_slices(&slices, block, Term::False);
+                gathered.rank(detection, false, &slices);
             }
             MatchOutcome::Tall { found_by, .. } => {
                 gathered.add_to_slices(&[Slice::Tall], block, Term::Annotations);

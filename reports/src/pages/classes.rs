@@ -1,4 +1,4 @@
-//! Classes that detectors give.
+//! Classes that detectors give, and slices of the user.
 
 use maud::html;
 
@@ -22,4 +22,19 @@ pub(super) fn classes(facts: &RunFacts) -> Option<Section> {
         }
     };
     (!facts.classes.is_empty()).then(|| Section::new("Classes", "Each class by itself", content))
+}
+
+/// The slices of the user; `None` if there are none.
+pub(super) fn slices(facts: &RunFacts) -> Option<Section> {
+    let content = html! {
+        @for sheet in facts.slices.iter().map(|it| it.sheet()) {
+            @for part in &sheet.parts {
+                @let title = part.title.as_deref().unwrap_or("Slices");
+                h3 { (title) }
+                (table(&part.grid, &sheet.notes, title))
+            }
+            (sentences(&sheet.notes))
+        }
+    };
+    (!facts.slices.is_empty()).then(|| Section::new("Slices", "Slices of your own", content))
 }

@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use super::agreement::agreement;
-use super::classes::classes;
+use super::classes::{classes, slices};
 use super::curves::curves;
 use super::document::document;
 use super::errors::errors;
@@ -41,6 +41,7 @@ impl RunPage {
         if facts.is_scored() {
             sections.push(task_tables(&facts.tables));
             sections.extend(classes(facts));
+            sections.extend(slices(facts));
             sections.extend(protocols(facts));
             sections.push(ranges(facts, &mut figures));
             sections.extend(curves(facts, &mut figures));

@@ -1,6 +1,7 @@
 //! Outcomes of annotations, detections and pairs of them, with all that is needed to judge them again.
 
 use crate::vocabulary::class::{AnnotationClass, DetectionClass, Occlusion};
+use crate::vocabulary::own_slice::Extents;
 use crate::vocabulary::reason::{FalseReason, IgnoredAnnotation, IgnoredDetection, MissReason};
 
 /// Outcome of an annotation, a detection or a pair of them.
@@ -93,6 +94,12 @@ impl AnnotationFacts {
         self.bounding_box.map(|it| it.center_m).or(self.centroid_m)
     }
 
+    /// What bounds of slices ask of it.
+    pub(crate) fn extents(&self) -> Extents {
+        let length_width_height_m = self.bounding_box.map(|it| it.length_width_height_m);
+        Extents { center_m: self.center_m(), length_width_height_m, n_points: self.n_points }
+    }
+
     /// Whether at least half of its points lie outside the labelled region.
     pub fn is_truncated(&self) -> bool {
         self.n_points > 0 && 2 * self.n_points_outside >= self.n_points
@@ -126,6 +133,15 @@ pub struct DetectionFacts {
     pub n_points: u64,
     /// Its box.
     pub bounding_box: BoxFacts,
+}
+
+impl DetectionFacts {
+    /// What bounds of slices ask of it.
+    pub(crate) fn extents(&self) -> Extents {
+        let BoxFacts { center_m, length_width_height_m, .. } = self.bounding_box;
+        let length_width_height_m = Some(length_width_height_m);
+        Extents { center_m: Some(center_m), length_width_height_m, n_points: self.n_points }
+    }
 }
 
 /// An upright box in the sensor frame.

@@ -16,6 +16,7 @@ use crate::run_folder::shard_record::{ShardRecord, processors_of};
 use crate::run_folder::sweep_entry::SweepEntry;
 use crate::vocabulary::class::AnnotationClass;
 use crate::vocabulary::origin::Origin;
+use crate::vocabulary::own_slice::{OwnSlice, SliceBounds};
 use crate::vocabulary::protocol::Protocol;
 
 /// Everything that decides the numbers of a run.
@@ -49,6 +50,9 @@ pub struct Manifest {
     pub matching_criterion: String,
     /// Which annotations do not count.
     pub ignored: IgnoreRule,
+    /// Slices of the user, by name.
+    #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
+    pub slices: BTreeMap<String, SliceBounds>,
     /// The data sets, in the order of the tables.
     pub datasets: Vec<DatasetEntry>,
     /// The detectors, in the order of the tables.
@@ -385,7 +389,9 @@ impl Manifest {
             (it.id.clone(), of_scans.collect())
         };
         let simulated = self.datasets.iter().filter(|it| it.simulated).map(|it| it.id.clone());
+        let slice = |(name, bounds): (&String, &SliceBounds)| Some((OwnSlice::named(name)?, bounds.clone()));
         Tally::of_run(processors, simulated.collect())
+            .with_slices(self.slices.iter().filter_map(slice).collect())
             .with_blocks(self.datasets.iter().map(of_dataset).collect())
     }
 

@@ -1,5 +1,7 @@
 //! The tables of classes: for each detector that gives classes, a line for each class and their means.
 
+use std::collections::BTreeSet;
+
 use super::grid::{Cell, Column, Grid, Line, LineKind};
 use super::notes::about_interval;
 use super::sheet::{Part, Sheet, Tabular};
@@ -47,6 +49,8 @@ pub struct ClassLine {
     pub rates: [Option<f64>; 4],
     /// The interval of the F-rate.
     pub within: Option<Interval>,
+    /// Average precision by range, where there are annotations.
+    pub ap_by_range: Vec<(Slice, f64)>,
 }
 
 /// The average precision of classes.
@@ -76,9 +80,7 @@ pub fn class_tables(report: &RunReport, manifest: &Manifest, confusion: &[Confus
 /// The lines of `detector`; none if it gives no class.
 fn lines_of(report: &RunReport, dataset: &str, detector: &str) -> Vec<ClassLine> {
     let all = || report.rows().iter().chain(report.overall());
-    let is_ours = |it: &&MetricRow| {
-        it.subject.dataset == dataset && it.subject.detector == detector && it.subject.slice == Slice::All
-    };
+    let is_ours = |it: &&MetricRow| it.subject.dataset == dataset && it.subject.detector == detector;
     let rows: Vec<&MetricRow> =
         all().filter(is_ours).filter(|it| it.subject.task.class().is_some()).collect();
     let mut classes: Vec<AnnotationClass> = rows.iter().filter_map(|it| it.subject.task.class()).collect();
@@ -90,8 +92,9 @@ fn lines_of(report: &RunReport, dataset: &str, detector: &str) -> Vec<ClassLine>
 }
 
 fn line_of(rows: &[&MetricRow], detector: &str, class: AnnotationClass) -> ClassLine {
-    let row =
-        |metric: Metric| rows.iter().find(|it| it.subject.task == Task::Class(class) && it.metric == metric);
+    let of_class = || rows.iter().filter(|it| it.subject.task == Task::Class(class));
+    let row = |metric: Metric| of_class().find(|it| it.subject.slice == Slice::All && it.metric == metric);
+    let is_ap_of_range = |it: &&&MetricRow| it.metric == AP && matches!(it.subject.slice, Slice::Range(_));
     let value = |metric| row(metric).and_then(|it| it.value());
     let count = |metric| value(metric).map(|it| it as u64);
     ClassLine {
@@ -102,6 +105,10 @@ fn line_of(rows: &[&MetricRow], detector: &str, class: AnnotationClass) -> Class
         fo: count(Metric::Fo),
         rates: [Metric::Precision, Metric::Recall, Metric::FRate, AP].map(value),
         within: row(Metric::FRate).and_then(|it| it.interval()),
+        ap_by_range: of_class()
+            .filter(is_ap_of_range)
+            .filter_map(|it| Some((it.subject.slice, it.value()?)))
+            .collect(),
     }
 }
 
@@ -171,6 +178,23 @@ impl ClassTable {
             lines.push(mean_line(&of_detector));
         }
         Grid { columns, lines }
+    }
+
+    /// Average precision of each class by range; `None` if no class has any.
+    fn ap_by_range(&self) -> Option<Grid> {
+        let known = self.lines.iter().flat_map(|it| &it.ap_by_range).map(|(slice, _)| *slice);
+        let ranges: BTreeSet<Slice> = known.collect();
+        let mut columns = vec![Column::left("detector"), Column::left("class")];
+        let name = |it: &Slice| it.name().trim_start_matches("range/").to_owned();
+        columns.extend(ranges.iter().map(|it| Column::number(name(it)).within("range in m")));
+        let line = |it: &ClassLine| {
+            let ap = |range: &Slice| it.ap_by_range.iter().find(|(slice, _)| slice == range).map(|(_, ap)| *ap);
+            let cells = ranges.iter().map(|range| Cell::new(percent_or_dash(ap(range))));
+            let words = [it.detector.as_str(), it.class.name()].map(Cell::new);
+            Line { kind: LineKind::Detail, cells: words.into_iter().chain(cells).collect() }
+        };
+        let lines = self.lines.iter().filter(|it| !it.ap_by_range.is_empty()).map(line).collect();
+        (!ranges.is_empty()).then_some(Grid { columns, lines })
     }
 
     /// Annotated classes in lines, given classes in columns, of `detector`.
@@ -271,6 +295,11 @@ impl Tabular for ClassTable {
         );
         let on = self.on();
         let mut parts = vec![Part { title: Some(self.title()), grid: self.rates() }];
+        let by_range = self.ap_by_range().map(|grid| Part {
+            title: Some(format!("Average precision of classes by range on {on}.")),
+            grid,
+        });
+        parts.extend(by_range);
         parts.extend(
             self.detectors()
                 .into_iter()

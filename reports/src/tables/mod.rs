@@ -9,6 +9,7 @@ pub(crate) mod folding;
 pub mod sheet;
 pub(crate) mod task_grids;
 pub mod class_table;
+pub mod slice_table;
 pub mod times_table;
 pub mod stage_table;
 pub mod error_table;

@@ -39,7 +39,7 @@ impl Tally {
                         continue;
                     }
                     rows.extend(sample.rows(&question));
-                    if slice == Slice::All {
+                    if slice.ranks_detections() {
                         rows.extend(self.average_precision_rows(&question, &sample));
                     }
                 }
@@ -66,7 +66,7 @@ impl Tally {
                 for detector in self.detectors() {
                     let Some(gathered) = self.gathered(dataset_idx, task, detector) else { continue };
                     let is_known = gathered.false_objects == FalseObjects::Known;
-                    let Some(ranked) = gathered.all_ranked().filter(|_| is_known) else { continue };
+                    let Some(ranked) = gathered.ranked(Slice::All).filter(|_| is_known) else { continue };
                     let no = gathered.total(Term::Annotations) as u64;
                     let points = operating_points(ranked);
                     rows.extend(
@@ -85,7 +85,7 @@ impl Tally {
         for dataset_idx in self.datasets_in(question.dataset) {
             // As for every other number, a data set without evaluated scans is left out.
             if let Some(gathered) = self.gathered(dataset_idx, question.task, question.detector) {
-                all.get_or_insert_with(Vec::new).extend(gathered.all_ranked()?);
+                all.get_or_insert_with(Vec::new).extend(gathered.ranked(question.slice)?);
             }
         }
         all

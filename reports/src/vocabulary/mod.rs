@@ -12,6 +12,7 @@ pub mod criterion;
 pub mod reason;
 pub mod formula;
 pub mod metric;
+pub mod own_slice;
 pub mod slice;
 pub mod origin;
 pub mod extent;

@@ -17,6 +17,8 @@ named! {
         TooFewPoints = "too few points",
         /// Farther away than the maximum.
         BeyondRange = "beyond range",
+        /// Outside the slice that alone is judged.
+        OutsideSlice = "outside slice",
         /// Of a class that is neither right nor wrong in this task, such as a tram among vehicles.
         AmbiguousClass = "ambiguous class",
         /// At least half of its points are unscorable.
@@ -68,6 +70,8 @@ named! {
         OutsideLabeledRegion = "outside labelled region",
         /// At least half of its points are farther away than the maximum, or it has none and stands there.
         BeyondRange = "beyond range",
+        /// Outside the slice that alone is judged, by its own box.
+        OutsideSlice = "outside slice",
         /// At least half of its points are unscorable, or not to be judged for different ones of these reasons.
         OnIgnoredPoints = "on ignored points",
     }

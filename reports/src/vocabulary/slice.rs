@@ -7,6 +7,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::vocabulary::class::{AnnotationClass, Occlusion};
 use crate::vocabulary::metric::Metric;
+use crate::vocabulary::own_slice::OwnSlice;
 
 /// A part of the objects.
 ///
@@ -39,6 +40,8 @@ pub enum Slice {
     /// Annotations that are too tall for the task and so count nowhere else, with those of them that were found all the
     /// same.
     Tall,
+    /// What is within the bounds that the user gives a name.
+    Own(OwnSlice),
 }
 
 /// There is no slice of this name.
@@ -64,13 +67,17 @@ impl Slice {
             Self::Occlusion(occlusion) => format!("occlusion/{}", occlusion.name()),
             Self::Truncated => "truncated".to_owned(),
             Self::Tall => "tall".to_owned(),
+            Self::Own(own) => format!("own/{own}"),
         }
     }
 
-    /// The slice of this name; `None` if there is none. A class that is unknown may be one of a user.
+    /// The slice of this name; `None` if there is none. A class or a slice that is unknown may be one of a user.
     pub fn from_name(name: &str) -> Option<Self> {
         if let Some(class) = name.strip_prefix("class/") {
             return AnnotationClass::written(class).ok().map(Self::Class);
+        }
+        if let Some(own) = name.strip_prefix("own/") {
+            return OwnSlice::named(own).map(Self::Own);
         }
         let ranges = (0..RANGES_M.len()).map(Self::Range);
         let points = (0..POINTS.len()).map(Self::Points);
@@ -97,9 +104,14 @@ impl Slice {
         *self == Self::All || formula.is_of_slices() && is_of_slice()
     }
 
+    /// Whether average precision is computed of it.
+    pub fn ranks_detections(&self) -> bool {
+        matches!(self, Self::All | Self::Range(_) | Self::Own(_))
+    }
+
     /// Whether it is known which false detections belong here, so that precision and F-rate mean something.
     pub fn has_false_detections(&self) -> bool {
-        matches!(self, Self::All | Self::Range(_) | Self::Points(_))
+        matches!(self, Self::All | Self::Range(_) | Self::Points(_) | Self::Own(_))
     }
 }
 
@@ -114,6 +126,7 @@ impl Ord for Slice {
             Self::Occlusion(occlusion) => (4, 0, occlusion.name()),
             Self::Truncated => (5, 0, ""),
             Self::Tall => (6, 0, ""),
+            Self::Own(own) => (7, 0, own.name()),
         };
         key(self).cmp(&key(other))
     }
@@ -151,7 +164,7 @@ mod tests {
 
     #[test]
     fn slices_are_read_by_the_names_they_are_written_with() {
-        for name in ["all", "class/parked-cycle", "range/80+", "points/1000+", "occlusion/partly", "tall"] {
+        for name in ["all", "class/parked-cycle", "range/80+", "points/1000+", "occlusion/partly", "tall", "own/corridor"] {
             let slice: Slice = serde_json::from_str(&format!("{name:?}")).unwrap();
             assert_eq!(serde_json::to_string(&slice).unwrap(), format!("{name:?}"));
         }

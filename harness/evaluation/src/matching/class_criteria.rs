@@ -8,22 +8,26 @@ use reports::vocabulary::task::Task;
 use serde::Deserialize;
 
 use super::criterion::Criterion;
+use super::criterion_preset::CriterionPreset;
 
 /// The table `[matching.class.NAME]`: what it leaves out is as in the run.
 #[derive(Debug, Clone, Copy, PartialEq, Default, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct ClassRule {
     /// The measure that is compared.
-    criterion: Option<CriterionKind>,
+    pub(super) criterion: Option<CriterionKind>,
     /// Least intersection over union.
-    min_iou: Option<f64>,
+    pub(super) min_iou: Option<f64>,
     /// Greatest distance of the centres, in metres.
-    max_centre_distance_m: Option<f64>,
+    pub(super) max_centre_distance_m: Option<f64>,
 }
 
 /// Criteria of the tasks of classes.
 #[derive(Debug, Clone, PartialEq, Default)]
-pub struct ClassCriteria(BTreeMap<AnnotationClass, ClassRule>);
+pub struct ClassCriteria {
+    by_class: BTreeMap<AnnotationClass, ClassRule>,
+    preset: Option<CriterionPreset>,
+}
 
 impl ClassRule {
     /// The problem of a value that is no criterion, with its name; `None` if all are.
@@ -51,12 +55,12 @@ impl ClassRule {
 }
 
 impl ClassCriteria {
-    /// These rules, by the names of classes.
+    /// These rules, by the names of classes; classes without one have that of `preset`.
     ///
     /// # Errors
     ///
     /// A sentence if a name is no class, or a value no criterion.
-    pub fn new(rules: BTreeMap<String, ClassRule>) -> Result<Self, String> {
+    pub fn new(rules: BTreeMap<String, ClassRule>, preset: Option<CriterionPreset>) -> Result<Self, String> {
         let rule = |(name, rule): (String, ClassRule)| {
             let unknown = || format!("matching.class.{name}: there is no class {name:?}");
             let class = AnnotationClass::from_name(&name).ok_or_else(unknown)?;
@@ -65,18 +69,28 @@ impl ClassCriteria {
                 None => Ok((class, rule)),
             }
         };
-        rules.into_iter().map(rule).collect::<Result<_, _>>().map(Self)
+        let mut by_class = preset.map(CriterionPreset::rules).unwrap_or_default();
+        for entry in rules.into_iter().map(rule) {
+            let (class, rule) = entry?;
+            by_class.insert(class, rule);
+        }
+        Ok(Self { by_class, preset })
     }
 
     /// The criterion of `task` in a run with the criterion `of_run`.
     pub fn of(&self, task: Task, of_run: Criterion) -> Criterion {
-        let rule = task.class().and_then(|it| self.0.get(&it));
+        let rule = task.class().and_then(|it| self.by_class.get(&it));
         rule.map_or(of_run, |it| it.over(of_run))
+    }
+
+    /// The benchmark that gives the classes their criteria, as far as they have none of the user.
+    pub fn preset(&self) -> Option<CriterionPreset> {
+        self.preset
     }
 
     /// The classes with a criterion of their own, in a run with the criterion `of_run`.
     pub fn all(&self, of_run: Criterion) -> impl Iterator<Item = (AnnotationClass, Criterion)> {
-        self.0.iter().map(move |(class, rule)| (*class, rule.over(of_run)))
+        self.by_class.iter().map(move |(class, rule)| (*class, rule.over(of_run)))
     }
 }
 
@@ -85,7 +99,7 @@ mod tests {
     use super::*;
 
     fn criteria(text: &str) -> Result<ClassCriteria, String> {
-        ClassCriteria::new(toml::from_str(text).expect("the text is TOML"))
+        ClassCriteria::new(toml::from_str(text).expect("the text is TOML"), None)
     }
 
     #[test]
@@ -100,6 +114,18 @@ mod tests {
         assert_eq!(of(AnnotationClass::Bus, run), Criterion::BevIou { min_iou: 0.6 });
         assert_eq!(of(AnnotationClass::Van, run), run);
         assert_eq!(criteria.of(Task::Vehicles, run), run);
+    }
+
+    #[test]
+    fn a_benchmark_gives_criteria_to_classes_that_have_none() {
+        let mine = toml::from_str("[car]\ncriterion = \"bev-iou\"\nmin_iou = 0.6").unwrap();
+        let criteria = ClassCriteria::new(mine, Some(CriterionPreset::Kitti)).unwrap();
+        let of = |class| criteria.of(Task::Class(class), Criterion::POINTS);
+        assert_eq!(of(AnnotationClass::Car), Criterion::BevIou { min_iou: 0.6 });
+        assert_eq!(of(AnnotationClass::Cyclist), Criterion::Iou3d { min_iou: 0.5 });
+        assert_eq!(of(AnnotationClass::Truck), Criterion::POINTS);
+        let nuscenes = ClassCriteria::new(BTreeMap::new(), Some(CriterionPreset::Nuscenes)).unwrap();
+        assert_eq!(nuscenes.of(Task::Class(AnnotationClass::Animal), Criterion::POINTS), Criterion::CENTRE);
     }
 
     #[test]

@@ -16,6 +16,9 @@ pub struct MatchingArgs {
     /// The default is `points`, unless the configuration says otherwise.
     #[arg(long, value_enum, value_name = "RULE")]
     pub criterion: Option<CriterionName>,
+    /// Judge nothing outside this slice of the configuration: [slice.NAME]
+    #[arg(long, value_name = "NAME")]
+    pub only: Option<String>,
 }
 
 /// Names of the matching criteria.

@@ -142,8 +142,8 @@ pub fn built_in_methods(
     Ok((listed, choose(&config, arguments, names)?.1))
 }
 
-/// Overrides the criterion of the configuration with that of `matching`, if it names one.
-pub fn choose_criterion(config: &mut RunConfig, matching: &MatchingArgs) {
+/// Overrides the criterion of the configuration, and the slice that is judged, with those of `matching`, if it names them.
+pub fn choose_matching(config: &mut RunConfig, matching: &MatchingArgs) -> Result<(), Usage> {
     match matching.criterion {
         Some(CriterionName::Points) => config.choose_criterion(Criterion::POINTS),
         Some(CriterionName::BevIou) => config.choose_criterion(Criterion::BEV_IOU),
@@ -151,6 +151,8 @@ pub fn choose_criterion(config: &mut RunConfig, matching: &MatchingArgs) {
         Some(CriterionName::Centre) => config.choose_criterion(Criterion::CENTRE),
         None => {}
     }
+    let Some(only) = &matching.only else { return Ok(()) };
+    config.judge_only(only).map_err(|problem| Usage(format!("--only: {problem}")))
 }
 
 fn load(arguments: &ConfigArgs) -> Result<RunConfig, Failure> {

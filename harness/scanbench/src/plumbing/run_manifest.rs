@@ -59,6 +59,7 @@ pub fn run_manifest(settings: RunSettings<'_>) -> Manifest {
             min_points: matching.eligibility.min_points as u32,
             max_range_m: matching.eligibility.max_range_m,
         },
+        slices: settings.config.slices.all(),
         datasets: settings.datasets.iter().map(|it| dataset_entry(it, settings.selection)).collect(),
         detectors: settings.detectors,
         config: json(&settings.config.resolved),
@@ -147,16 +148,21 @@ fn json(resolved: &toml::Table) -> serde_json::Value {
     serde_json::to_value(resolved).expect("a configuration has text keys only")
 }
 
-/// Words for when a detection matches an annotation.
-/// The criterion of the run, and of the classes that have one of their own, in words.
+/// The criterion of the run, of the classes that have one of their own, and the slice that alone is judged, in words.
 fn criteria_in_words(config: &RunConfig) -> String {
     let of_run = config.matching.criterion;
     let of_classes = config.class_criteria.all(of_run);
     let of_classes =
         of_classes.map(|(class, criterion)| format!("; {class}: {}", criterion_in_words(criterion)));
-    criterion_in_words(of_run) + &of_classes.collect::<String>()
+    let preset = config.class_criteria.preset();
+    let preset = preset.map(|it| format!(" (criteria of classes as in {})", it.benchmark()));
+    let only = config.value_of("matching.only").and_then(toml::Value::as_str);
+    let only = only.map(|it| format!("; judged in the slice {it} only"));
+    let of_classes: String = of_classes.collect();
+    [criterion_in_words(of_run), of_classes, preset.unwrap_or_default(), only.unwrap_or_default()].concat()
 }
 
+/// Words for when a detection matches an annotation.
 pub fn criterion_in_words(criterion: Criterion) -> String {
     match criterion {
         Criterion::Points { min_iou } => format!("points, IoU at least {min_iou}"),

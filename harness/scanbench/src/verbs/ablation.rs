@@ -15,7 +15,7 @@ use reports::vocabulary::study::Study;
 
 use crate::cli::help_text::DETECTORS;
 use crate::cli::{BlocksArgs, ConfigArgs, DatasetArgs, MatchingArgs, OutputArgs, ShardArgs, TimingArgs};
-use crate::plumbing::config::{built_in_methods, choose_criterion, refuse_unread_models};
+use crate::plumbing::config::{built_in_methods, choose_matching, refuse_unread_models};
 use crate::plumbing::failure::Failure;
 use crate::plumbing::first_look::look_first_at_all;
 use crate::plumbing::judged_streets::advise_on_judged;
@@ -86,7 +86,7 @@ pub fn ablation(arguments: &AblationArgs) -> Result<(), Failure> {
 /// Opens the variants of the method, and the scans that they run on.
 pub fn open_ablation(arguments: &AblationArgs, started: Timestamp) -> Result<ScanStudy<'_>, Failure> {
     let (listed, mut config) = built_in_methods(&arguments.config, &[METHOD.to_owned()])?;
-    choose_criterion(&mut config, &arguments.matching);
+    choose_matching(&mut config, &arguments.matching)?;
     let datasets = open_datasets(&arguments.data, &config.classes)?;
     let datasets = with_named_blocks(datasets, arguments.blocks.blocks.as_deref())?;
     let datasets = look_first_at_all(datasets, &mut config);

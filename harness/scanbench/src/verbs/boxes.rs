@@ -21,7 +21,7 @@ use reports::tables::studies::box_error_row::{BoxErrorRow, BoxPointsRow, FittedB
 use reports::tables::studies::box_table::BoxTable;
 
 use crate::cli::{BlocksArgs, ConfigArgs, DatasetArgs, MatchingArgs, OutputArgs};
-use crate::plumbing::config::{built_in_detectors, choose_criterion, warn_of_unknown_sensor};
+use crate::plumbing::config::{built_in_detectors, choose_matching, warn_of_unknown_sensor};
 use crate::plumbing::failure::{Failure, NothingEvaluated};
 use crate::plumbing::first_look::look_first_at_all;
 use crate::plumbing::interruption::interruption_flag;
@@ -84,7 +84,7 @@ pub fn boxes(arguments: &BoxesArgs) -> Result<(), Failure> {
     let interrupted = interruption_flag();
     let started = Timestamp::now();
     let (detectors, mut config) = built_in_detectors(&arguments.config, &["hierarchical".to_owned()])?;
-    choose_criterion(&mut config, &arguments.matching);
+    choose_matching(&mut config, &arguments.matching)?;
     let opened = open_datasets(&arguments.data, &config.classes)?;
     let opened = with_named_blocks(opened, arguments.blocks.blocks.as_deref())?;
     let opened = look_first_at_all(opened, &mut config);

@@ -18,7 +18,7 @@ use reports::vocabulary::reason::MistakeKind;
 use reports::worst::mistakes::ListedMistake;
 
 use crate::cli::{RunArgs, ViewArgs};
-use crate::plumbing::config::{choose_criterion, chosen_detectors};
+use crate::plumbing::config::{choose_matching, chosen_detectors};
 use crate::plumbing::failure::{Failure, Usage};
 use crate::plumbing::first_look::look_first_at_all;
 use crate::plumbing::interruption::interruption_flag;
@@ -138,7 +138,7 @@ impl RunAgain {
         }
         let (detectors, mut config) = chosen_detectors(&arguments.config, &arguments.detectors)?;
         show_programs(&arguments, &detectors, trusted)?;
-        choose_criterion(&mut config, &arguments.matching);
+        choose_matching(&mut config, &arguments.matching)?;
         let resolved = serde_json::to_value(&config.resolved).expect("a configuration has text keys only");
         if resolved != manifest.config {
             return Err(Usage(

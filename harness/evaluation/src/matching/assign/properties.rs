@@ -95,7 +95,7 @@ fn any_criterion() -> impl Strategy<Value = Criterion> {
 
 /// Two points are enough, and some positions are beyond the range.
 fn params(criterion: Criterion) -> MatchingParams {
-    let eligibility = EligibilityParams { min_points: 2, max_range_m: 6.0, tall_above_ground_m: 3.1 };
+    let eligibility = EligibilityParams { min_points: 2, max_range_m: 6.0, ..EligibilityParams::STANDARD };
     MatchingParams { criterion, eligibility }
 }
 

@@ -7,6 +7,7 @@ use detector::params::HIERARCHICAL_TOML;
 use detector::params::bounds::{Bounds, HIERARCHICAL_BOUNDS};
 use detector::params::paper::PAPER_TOML;
 use reports::vocabulary::class::AnnotationClass;
+use reports::vocabulary::class_traits::ClassGroup;
 use reports::vocabulary::criterion::CriterionKind;
 use serde_json::{Value as Json, json};
 use toml::{Table, Value};
@@ -15,8 +16,10 @@ use super::detector_table::{
     DETECTOR_TABLE, LONGEST_LIMIT_S, MOST_THREADS, START_LIMIT, TAKEN_NAMES, TIME_LIMIT,
 };
 use super::matching_table::MATCHING_BOUNDS;
-use super::override_file::CLASSES;
+use super::override_file::{CLASSES, OWN_CLASSES};
 use super::run_config::shipped;
+use super::slice_table::SLICES;
+use crate::matching::criterion_preset::CriterionPreset;
 use crate::run::foreign_detector::VehicleRule;
 
 /// The schema (JSON Schema 2020-12) of a file that overrides parameters. The type of a parameter is that of its shipped
@@ -26,7 +29,31 @@ pub fn config_schema() -> Json {
     schema["$schema"] = json!("https://json-schema.org/draft/2020-12/schema");
     schema["title"] = json!("scanbench.toml");
     let properties = &mut schema["properties"];
-    properties["matching"]["properties"]["criterion"]["enum"] = json!(CriterionKind::ALL);
+    let matching = &mut properties["matching"]["properties"];
+    matching["criterion"]["enum"] = json!(CriterionKind::ALL);
+    let gates = ["min_iou", "max_centre_distance_m"].map(|it| (it.to_owned(), matching[it].clone()));
+    let mut of_class: serde_json::Map<String, Json> = gates.into_iter().collect();
+    of_class.values_mut().for_each(|it| drop(it.as_object_mut().map(|it| it.remove("default"))));
+    of_class.insert("criterion".to_owned(), json!({"enum": CriterionKind::ALL}));
+    matching[OWN_CLASSES] = json!({
+        "type": "object",
+        "description": "Criteria of single classes",
+        "additionalProperties": {"type": "object", "additionalProperties": false, "properties": of_class},
+    });
+    matching["preset"] = json!({"enum": CriterionPreset::ALL, "description": "A benchmark whose criteria of classes are used"});
+    matching["only"] = json!({"type": "string", "description": "The slice outside of which nothing is judged"});
+    properties[OWN_CLASSES] = json!({
+        "type": "object",
+        "description": "Classes of your own",
+        "propertyNames": {"pattern": "^[a-z0-9-]{1,40}$"},
+        "additionalProperties": schema_of_class(),
+    });
+    properties[SLICES] = json!({
+        "type": "object",
+        "description": "Slices of your own: regions, or bounds",
+        "propertyNames": {"pattern": "^[a-z0-9-]{1,40}$"},
+        "additionalProperties": schema_of_slice(),
+    });
     let classes = AnnotationClass::ALL.map(AnnotationClass::name).join(", ");
     properties[CLASSES] = json!({
         "type": "object",
@@ -40,6 +67,36 @@ pub fn config_schema() -> Json {
         "additionalProperties": schema_of_detector(),
     });
     schema
+}
+
+fn schema_of_class() -> Json {
+    let words = |description: &str| json!({"type": "array", "items": {"type": "string"}, "description": description});
+    json!({
+        "type": "object",
+        "additionalProperties": false,
+        "properties": {
+            "group": {"enum": ClassGroup::ALL},
+            "names": words("Other names for it, in labels and of detectors"),
+            "hints": words("Words in unknown names that make it likely"),
+            "may_be_tall": {"type": "boolean", "description": "Whether the task objects ignores one that is tall"},
+            "may_be_vehicle": {"type": "boolean", "description": "Whether the task vehicles ignores it", "default": false},
+            "written": {
+                "type": "object",
+                "additionalProperties": false,
+                "properties": {"kitti": {"type": "string"}, "nuscenes": {"type": "string"}, "argoverse2": {"type": "string"}},
+                "description": "Its words in the files of others",
+            },
+        },
+    })
+}
+
+fn schema_of_slice() -> Json {
+    let pair = json!({"type": "array", "items": {"type": "number"}, "minItems": 2, "maxItems": 2});
+    let bounds = ["range_m", "z_m", "length_m", "width_m", "height_m", "points"];
+    let mut properties: serde_json::Map<String, Json> =
+        bounds.into_iter().map(|it| (it.to_owned(), pair.clone())).collect();
+    properties.insert("polygon_m".to_owned(), json!({"type": "array", "items": pair, "minItems": 3}));
+    json!({"type": "object", "additionalProperties": false, "minProperties": 1, "properties": properties})
 }
 
 /// Schema of a foreign detector: a program, or results of one.

@@ -11,7 +11,9 @@ use serde::de::Error as _;
 use crate::matching::assign::MatchingParams;
 use crate::matching::class_criteria::{ClassCriteria, ClassRule};
 use crate::matching::criterion::Criterion;
+use crate::matching::criterion_preset::CriterionPreset;
 use crate::matching::eligibility::EligibilityParams;
+use crate::run::config::slice_table::OwnSlices;
 
 /// Default parameters of the matching, for every detector.
 pub(super) const MATCHING_TOML: &str = r#"
@@ -32,6 +34,10 @@ struct MatchingTable {
     min_points: usize,
     max_range_m: f64,
     tall_above_ground_m: f64,
+    /// A benchmark whose criteria of classes are used.
+    preset: Option<CriterionPreset>,
+    /// The slice that alone is judged.
+    only: Option<String>,
     /// Criteria of single classes.
     #[serde(default)]
     class: BTreeMap<String, ClassRule>,
@@ -45,8 +51,11 @@ pub(super) const MATCHING_BOUNDS: &[Bounds] = &[
     Bounds::new("tall_above_ground_m", 0.1, 1000.0),
 ];
 
-/// Reads the parameters of a complete TOML document.
-pub(super) fn matching_from(text: &str) -> Result<(MatchingParams, ClassCriteria), ParamsError> {
+/// Keys of the table that have no shipped value.
+pub(super) const WITHOUT_DEFAULT: [&str; 3] = ["class", "preset", "only"];
+
+/// Reads the parameters of a complete TOML document; `slices` are the user's.
+pub(super) fn matching_from(text: &str, slices: &OwnSlices) -> Result<(MatchingParams, ClassCriteria), ParamsError> {
     let table: MatchingTable = toml::from_str(text)?;
     check_bounds(&toml::from_str(text)?, MATCHING_BOUNDS)?;
     let criterion = match table.criterion {
@@ -59,7 +68,8 @@ pub(super) fn matching_from(text: &str) -> Result<(MatchingParams, ClassCriteria
         min_points: table.min_points,
         max_range_m: table.max_range_m,
         tall_above_ground_m: table.tall_above_ground_m,
+        only: table.only.map(|it| slices.bounds_of(&it)).transpose().map_err(toml::de::Error::custom)?,
     };
-    let class_criteria = ClassCriteria::new(table.class).map_err(toml::de::Error::custom)?;
+    let class_criteria = ClassCriteria::new(table.class, table.preset).map_err(toml::de::Error::custom)?;
     Ok((MatchingParams { criterion, eligibility }, class_criteria))
 }

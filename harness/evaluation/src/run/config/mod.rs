@@ -1,6 +1,7 @@
 //! The parameters of a run: the shipped ones, overridden by a file, and then by options of the command line.
 
 pub mod error;
+pub mod slice_table;
 mod matching_table;
 mod parameter_tree;
 mod value_problem;

@@ -10,7 +10,9 @@ use toml::{Table, Value};
 
 use super::detector_table::{DETECTOR_TABLE, foreign_detectors};
 use super::error::{ConfigError, ConfigPosition};
+use super::matching_table::WITHOUT_DEFAULT;
 use super::parameter_tree::set;
+use super::slice_table::SLICES;
 use super::value_problem::ValueProblem;
 use crate::run::foreign_detector::ForeignDetector;
 
@@ -53,15 +55,18 @@ impl OverrideFile<'_> {
         )?;
         let curve = values.get("hierarchical").and_then(|it| it.get("density_weighting")?.get("curve"));
         let gives_density_curve = curve.is_some();
-        // Rules of classes are no parameters that the shipped table has.
-        let of_classes = match values.get_mut("matching") {
-            Some(Value::Table(matching)) => matching.remove(OWN_CLASSES),
-            _ => None,
-        };
-        set(table, values, &mut Vec::new(), &|keys| self.position_of(keys))?;
-        if let (Some(rules), Some(Value::Table(matching))) = (of_classes, table.get_mut("matching")) {
-            matching.insert(OWN_CLASSES.to_owned(), rules);
+        // No parameters that the shipped tables have.
+        let mut without_default = Table::new();
+        if let Some(Value::Table(matching)) = values.get_mut("matching") {
+            let removed = WITHOUT_DEFAULT.iter().filter_map(|it| matching.remove_entry(*it));
+            without_default.extend(removed);
         }
+        let slices = values.remove(SLICES);
+        set(table, values, &mut Vec::new(), &|keys| self.position_of(keys))?;
+        if let Some(Value::Table(matching)) = table.get_mut("matching") {
+            matching.extend(without_default);
+        }
+        table.extend(slices.map(|it| (SLICES.to_owned(), it)));
         Ok(Applied { gives_density_curve, classes, foreign, foreign_parameters })
     }
 

@@ -20,6 +20,7 @@ use super::matching_table::{MATCHING_TOML, matching_from};
 use super::override_file::OverrideFile;
 use super::override_option::{OverrideOption, OverrideOptions};
 use super::parameter_tree::parameters;
+use super::slice_table::{OwnSlices, SLICES};
 use super::value_problem::ValueProblem;
 use super::vehicle_model_table::{TrainedModel, VEHICLE_MODEL_TOML, VehicleModels, vehicle_models_from};
 use crate::matching::assign::MatchingParams;
@@ -40,6 +41,8 @@ pub struct RunConfig {
     pub matching: MatchingParams,
     /// How those of single classes are judged.
     pub class_criteria: ClassCriteria,
+    /// Slices of the user.
+    pub slices: OwnSlices,
     /// Models that classify vehicles; `None` if they are classified by size.
     pub vehicle_models: Option<VehicleModels>,
     /// Meanings of class names in labels, from the file.
@@ -144,6 +147,19 @@ impl RunConfig {
         }
     }
 
+    /// Judges nothing outside the slice `name`.
+    ///
+    /// # Errors
+    ///
+    /// A sentence if there is no such slice.
+    pub fn judge_only(&mut self, name: &str) -> Result<(), String> {
+        self.matching.eligibility.only = Some(self.slices.bounds_of(name)?);
+        if let Some(Value::Table(table)) = self.resolved.get_mut("matching") {
+            table.insert("only".to_owned(), Value::String(name.to_owned()));
+        }
+        Ok(())
+    }
+
     /// These parameters, overridden by `options`. A parameter of the tables `own` may be named by the end of its name if
     /// that is unique.
     ///
@@ -224,9 +240,11 @@ impl RunConfig {
         };
         let (hierarchical, paper) = (hierarchical.to_string(), table("paper").to_string());
         let matching = table("matching").to_string();
-        let (matching, class_criteria) = matching_from(&matching)
+        let slices = OwnSlices::of_table(resolved.get(SLICES))
+            .map_err(|(keys, problem)| ValueProblem { keys, problem })?;
+        let (matching, class_criteria) = matching_from(&matching, &slices)
             .map_err(|error| ValueProblem::new(&error, Some("matching"), &matching))?;
-        let of_others = ["matching", "hierarchical", "paper", VEHICLE_MODEL, DETECTOR_TABLE];
+        let of_others = ["matching", "hierarchical", "paper", VEHICLE_MODEL, DETECTOR_TABLE, SLICES];
         let of_baselines = resolved.iter().filter(|(name, _)| !of_others.contains(&name.as_str()));
         let baselines: Table = of_baselines.map(|(name, value)| (name.clone(), value.clone())).collect();
         let baselines = baselines.to_string();
@@ -239,6 +257,7 @@ impl RunConfig {
                 .map_err(|error| ValueProblem::new(&error, None, &baselines))?,
             matching,
             class_criteria,
+            slices,
             vehicle_models,
             classes: ClassTable::default(),
             file: None,

@@ -7,7 +7,7 @@ use jiff::Timestamp;
 use reports::run_folder::manifest::Manifest;
 
 use crate::cli::RunArgs;
-use crate::plumbing::config::{choose_criterion, chosen_with_results};
+use crate::plumbing::config::{choose_matching, chosen_with_results};
 use crate::plumbing::failure::Failure;
 use crate::plumbing::first_look::look_first_at_all;
 use crate::plumbing::named_blocks::with_named_blocks;
@@ -28,7 +28,7 @@ impl ChosenRun {
     pub fn of(arguments: &RunArgs) -> Result<Self, Failure> {
         let left = &arguments.foreign.detections;
         let (chosen, mut config) = chosen_with_results(&arguments.config, &arguments.detectors, left)?;
-        choose_criterion(&mut config, &arguments.matching);
+        choose_matching(&mut config, &arguments.matching)?;
         config.classes = own_classes(&arguments.data.source).or(&config.classes);
         Ok(Self { chosen, config })
     }

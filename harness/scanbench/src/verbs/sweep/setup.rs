@@ -16,7 +16,7 @@ use scans::dataset::source::DamagePolicy;
 
 use crate::cli::{ConfigArgs, SweepArgs};
 use crate::plumbing::config::{
-    choose_criterion, refuse_unread_models, runnable_detectors, warn_of_unknown_sensor,
+    choose_matching, refuse_unread_models, runnable_detectors, warn_of_unknown_sensor,
 };
 use crate::plumbing::failure::Failure;
 use crate::plumbing::first_look::look_first_at_all;
@@ -46,7 +46,7 @@ pub struct Sweep<'a> {
 pub fn sweep_plan(arguments: &SweepArgs) -> Result<SweepPlan, Failure> {
     let file = ConfigArgs { config: arguments.config.clone(), parameters: Vec::new() };
     let (detectors, mut config) = runnable_detectors(&file, &arguments.detectors)?;
-    choose_criterion(&mut config, &arguments.matching);
+    choose_matching(&mut config, &arguments.matching)?;
     let lists: Vec<SweptParameter> = arguments.lists.iter().map(|it| it.0.clone()).collect();
     let plan = SweepPlan::new(&config, detectors, &arguments.parameters, &lists)?;
     let at_points = |it| plan.points.iter().map(move |point| (it, &point.config));
