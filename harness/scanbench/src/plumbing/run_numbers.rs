@@ -46,6 +46,9 @@ pub fn write_facts(directory: &RunDirectory, facts: &RunFacts) -> Result<(), Fai
     for table in &facts.classes {
         write_table(directory, &table.file_stem(), table)?;
     }
+    for table in &facts.slices {
+        write_table(directory, &table.file_stem(), table)?;
+    }
     if !facts.confusion.is_empty() {
         directory.write_file(CONFUSION_CSV, &to_csv_bytes(&facts.confusion)?)?;
     }
