@@ -178,10 +178,9 @@ fn checksums_and_lists_do_not_ask_about_classes() {
 }
 
 #[test]
-fn misc_is_what_an_unknown_object_is_mapped_to() {
+fn a_word_of_makers_is_known_in_recordings() {
     let workplace = Workplace::new();
     let [cloud, scene] = foxglove_messages(SECOND, &category("Dog"));
     let scan = open(&write(&workplace, WriteOptions::new(), &[cloud, scene])).read_scan(0).unwrap();
-    // A dog is an official class of Argoverse 2, and none of ours.
-    assert_eq!(scan.annotations[0].class, AnnotationClass::Misc);
+    assert_eq!(scan.annotations[0].class, AnnotationClass::Animal);
 }

@@ -24,7 +24,7 @@ fn a_scene_is_read_as_it_was_made() {
             AnnotationClass::Truck,
             AnnotationClass::Pedestrian,
             AnnotationClass::Cyclist,
-            AnnotationClass::Misc,
+            AnnotationClass::Animal,
         ];
         for (found, expected) in scans(&*dataset).iter().zip(scans(&*street).iter().map(boxed)) {
             assert!(found.cloud.positions_m().eq(expected.cloud.positions_m()));
