@@ -30,9 +30,9 @@ use crate::run_folder::run_directory::{
 };
 use crate::run_folder::run_target::MANIFEST_JSON;
 use crate::tables::class_table::{ClassTable, class_tables};
-use crate::tables::slice_table::{SliceTable, slice_tables};
 use crate::tables::protocol_in_short::ProtocolInShort;
 use crate::tables::run_in_short::RunInShort;
+use crate::tables::slice_table::{SliceTable, slice_tables};
 use crate::tables::task_table::{TableError, TaskTable, task_tables};
 use crate::uncertainty::bootstrap::Distribution;
 use crate::uncertainty::sample::{Draw, Question};

@@ -188,7 +188,8 @@ impl ClassTable {
         let name = |it: &Slice| it.name().trim_start_matches("range/").to_owned();
         columns.extend(ranges.iter().map(|it| Column::number(name(it)).within("range in m")));
         let line = |it: &ClassLine| {
-            let ap = |range: &Slice| it.ap_by_range.iter().find(|(slice, _)| slice == range).map(|(_, ap)| *ap);
+            let ap =
+                |range: &Slice| it.ap_by_range.iter().find(|(slice, _)| slice == range).map(|(_, ap)| *ap);
             let cells = ranges.iter().map(|range| Cell::new(percent_or_dash(ap(range))));
             let words = [it.detector.as_str(), it.class.name()].map(Cell::new);
             Line { kind: LineKind::Detail, cells: words.into_iter().chain(cells).collect() }

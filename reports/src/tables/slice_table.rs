@@ -92,7 +92,9 @@ impl SliceLine {
 impl Tabular for SliceTable {
     fn sheet(&self) -> Sheet {
         let mut columns = ["slice", "task", "detector"].map(Column::left).to_vec();
-        columns.extend(["NO", "ND", "TP", "FO", "precision", "recall", "F-rate", "95 %", "AP"].map(Column::number));
+        columns.extend(
+            ["NO", "ND", "TP", "FO", "precision", "recall", "F-rate", "95 %", "AP"].map(Column::number),
+        );
         let kinds = self.lines.iter().filter_map(|it| it.within).map(|it| it.blocks.kind);
         let mut sentences = vec![format!(
             "What is within the bounds of a slice, in %, matched by {}: annotations, and detections that are false, by their own \

@@ -8,6 +8,7 @@ use crate::run_folder::detector_changes::detector_changes;
 use crate::run_folder::manifest::{DatasetEntry, Manifest};
 use crate::run_folder::run_archive::RunArchive;
 use crate::verdicts::partial_differences::{CurveName, check_same_parts, rows_of_curves};
+use crate::vocabulary::own_slice::SliceBounds;
 use crate::vocabulary::task::Task;
 
 /// Two runs cannot be compared.
@@ -57,6 +58,12 @@ fn rules(baseline: &Manifest, run: &Manifest) -> Vec<String> {
         format!("fewer than {} points or beyond {} m", it.ignored.min_points, it.ignored.max_range_m)
     };
     compare("the ignored annotations", ignored(baseline), ignored(run));
+    for (name, before) in &baseline.slices {
+        let bounds = |it: &SliceBounds| serde_json::to_string(it).unwrap_or_default();
+        if let Some(now) = run.slices.get(name) {
+            compare(&format!("the slice {name}"), bounds(before), bounds(now));
+        }
+    }
     reasons
 }
 

@@ -98,9 +98,10 @@ impl SliceBounds {
             Some(corners) if !corners.iter().flatten().all(|it| it.is_finite()) => {
                 Some("polygon_m has a corner that is not finite".to_owned())
             }
-            None if bounds.is_empty() => {
-                Some("bounds nothing: give polygon_m, range_m, z_m, length_m, width_m, height_m or points".to_owned())
-            }
+            None if bounds.is_empty() => Some(
+                "bounds nothing: give polygon_m, range_m, z_m, length_m, width_m, height_m or points"
+                    .to_owned(),
+            ),
             _ => None,
         }
     }
@@ -132,7 +133,8 @@ impl SliceBounds {
             };
             value.is_some_and(|it| (least..end).contains(&it))
         };
-        let is_in_region = |corners: &Vec<[f64; 2]>| center_m.is_some_and(|[x, y, _]| is_inside(corners, [x, y]));
+        let is_in_region =
+            |corners: &Vec<[f64; 2]>| center_m.is_some_and(|[x, y, _]| is_inside(corners, [x, y]));
         self.polygon_m.as_ref().is_none_or(is_in_region) && self.bounds().into_iter().all(is_within)
     }
 }
@@ -161,9 +163,11 @@ mod tests {
     #[test]
     fn a_region_holds_what_stands_in_it() {
         // A corridor of eight metres, and a room to its left.
-        let corridor = bounds("polygon_m = [[0, -4], [60, -4], [60, 4], [20, 4], [20, 10], [10, 10], [10, 4], [0, 4]]");
+        let corridor =
+            bounds("polygon_m = [[0, -4], [60, -4], [60, 4], [20, 4], [20, 10], [10, 10], [10, 4], [0, 4]]");
         assert_eq!(corridor.problem(), None);
-        for (x, y, is_inside) in [(5.0, 0.0, true), (15.0, 8.0, true), (25.0, 8.0, false), (-1.0, 0.0, false)] {
+        for (x, y, is_inside) in [(5.0, 0.0, true), (15.0, 8.0, true), (25.0, 8.0, false), (-1.0, 0.0, false)]
+        {
             assert_eq!(corridor.holds(&at(x, y)), is_inside, "{x}, {y}");
         }
         assert!(!corridor.holds(&Extents { center_m: None, ..at(5.0, 0.0) }));

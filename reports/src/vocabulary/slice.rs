@@ -164,7 +164,15 @@ mod tests {
 
     #[test]
     fn slices_are_read_by_the_names_they_are_written_with() {
-        for name in ["all", "class/parked-cycle", "range/80+", "points/1000+", "occlusion/partly", "tall", "own/corridor"] {
+        for name in [
+            "all",
+            "class/parked-cycle",
+            "range/80+",
+            "points/1000+",
+            "occlusion/partly",
+            "tall",
+            "own/corridor",
+        ] {
             let slice: Slice = serde_json::from_str(&format!("{name:?}")).unwrap();
             assert_eq!(serde_json::to_string(&slice).unwrap(), format!("{name:?}"));
         }

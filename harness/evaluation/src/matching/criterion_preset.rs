@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 
 use reports::vocabulary::class::AnnotationClass;
 use reports::vocabulary::criterion::CriterionKind;
-use reports::vocabulary::named;
+use reports::vocabulary::named::named;
 
 use super::class_criteria::ClassRule;
 

@@ -3,7 +3,7 @@
 use detector::{DetectedClass, Detection};
 use reports::vocabulary::class::AnnotationClass;
 use reports::vocabulary::class_traits::ClassGroup;
-use reports::vocabulary::own_slice::{Extents, SliceBounds};
+use reports::vocabulary::own_slice::SliceBounds;
 use reports::vocabulary::reason::IgnoredAnnotation;
 use reports::vocabulary::task::Task;
 use scans::annotation::{Annotation, LabeledScan, PointRegion, range_m};
@@ -81,7 +81,7 @@ pub fn asks_for(task: Task, detection: &Detection<'_>) -> bool {
 
 /// For every annotation of `scan` why it is excluded from the matching; `None` if it is not.
 ///
-/// Of several reasons the first counts: too few points, beyond the range, outside the slice that is judged, unscorable, without a box where `criterion` needs
+/// Of several reasons the first counts: too few points, beyond the range, unscorable, without a box where `criterion` needs
 /// one, tall. So a tall annotation would count but for its height. A labelled object counts wherever its points lie, also
 /// outside the labelled region.
 pub fn exclusions(
@@ -129,21 +129,10 @@ fn exclusion(
     if annotation.center_m(&scan.cloud).is_some_and(|it| range_m(it) > params.max_range_m) {
         return ignored(IgnoredAnnotation::BeyondRange);
     }
-    if params.only.is_some_and(|it| !it.holds(&extents_of(scan, annotation))) {
-        return ignored(IgnoredAnnotation::OutsideSlice);
-    }
     if 2 * n_points_in(scan, annotation, PointRegion::Unscorable) >= n_points {
         return ignored(IgnoredAnnotation::Unscorable);
     }
     None
-}
-
-fn extents_of(scan: &LabeledScan, annotation: &Annotation) -> Extents {
-    Extents {
-        center_m: annotation.center_m(&scan.cloud),
-        length_width_height_m: annotation.bounding_box.map(|it| it.length_width_height_m),
-        n_points: annotation.point_indices.len() as u64,
-    }
 }
 
 fn without_box(annotation: &Annotation, criterion: Criterion) -> Option<AnnotationOutcome> {

@@ -3,7 +3,6 @@
 use std::cell::OnceCell;
 
 use detector::{Detection, OrientedBox};
-use reports::vocabulary::own_slice::Extents;
 use reports::vocabulary::reason::IgnoredDetection;
 use scans::annotation::{LabeledScan, PointRegion, range_m};
 
@@ -14,7 +13,7 @@ use crate::matching::outcome::AnnotationOutcome;
 /// Where detections of a scan are not judged.
 pub struct UnjudgedPositions<'a> {
     scan: &'a LabeledScan,
-    params: EligibilityParams,
+    max_range_m: f64,
     // For every point whether it is on an ignored annotation.
     is_on_ignored: Vec<bool>,
     ignored_boxes: Vec<OrientedBox>,
@@ -40,7 +39,7 @@ impl<'a> UnjudgedPositions<'a> {
             }
         }
         let labeled_positions = OnceCell::new();
-        Self { scan, params: *params, is_on_ignored, ignored_boxes, labeled_positions }
+        Self { scan, max_range_m: params.max_range_m, is_on_ignored, ignored_boxes, labeled_positions }
     }
 
     /// Why `detection`, which matches nothing, is neither right nor false; `None` if the labels give no reason.
@@ -48,16 +47,12 @@ impl<'a> UnjudgedPositions<'a> {
     /// One with points is ignored if at least half of them are on ignored annotations, outside the labelled region,
     /// unscorable or beyond the range. One without is ignored if the centre of its box, on the ground plan, is inside the
     /// box of an ignored annotation, where nothing was labelled, or beyond the range; that its box is empty is no reason.
-    ///
-    /// What the labels give no reason for is ignored if its box is outside the slice that alone is judged.
     pub fn why_ignored(&self, detection: &Detection<'_>) -> Option<IgnoredDetection> {
-        let by_labels = if detection.point_indices.is_empty() {
+        if detection.point_indices.is_empty() {
             self.why_position_is_ignored(detection.bounding_box.center_m)
         } else {
             self.why_points_are_ignored(detection.point_indices)
-        };
-        let is_outside = || self.params.only.is_some_and(|it| !it.holds(&extents_of(detection)));
-        by_labels.or_else(|| is_outside().then_some(IgnoredDetection::OutsideSlice))
+        }
     }
 
     fn why_points_are_ignored(&self, point_indices: &[u32]) -> Option<IgnoredDetection> {
@@ -66,7 +61,7 @@ impl<'a> UnjudgedPositions<'a> {
             let point_idx = point_idx as usize;
             let region = self.scan.point_regions[point_idx];
             let is_on_ignored = self.is_on_ignored[point_idx];
-            let is_far = range_m(self.scan.cloud.position_m(point_idx)) > self.params.max_range_m;
+            let is_far = range_m(self.scan.cloud.position_m(point_idx)) > self.max_range_m;
             n_on_ignored += usize::from(is_on_ignored);
             n_outside += usize::from(region == PointRegion::Outside);
             n_far += usize::from(is_far);
@@ -92,18 +87,12 @@ impl<'a> UnjudgedPositions<'a> {
             Some(IgnoredDetection::OnIgnoredAnnotation)
         } else if positions().is_outside([center_m[0], center_m[1]]) {
             Some(IgnoredDetection::OutsideLabeledRegion)
-        } else if range_m(center_m) > self.params.max_range_m {
+        } else if range_m(center_m) > self.max_range_m {
             Some(IgnoredDetection::BeyondRange)
         } else {
             None
         }
     }
-}
-
-fn extents_of(detection: &Detection<'_>) -> Extents {
-    let OrientedBox { center_m, length_width_height_m, .. } = detection.bounding_box;
-    let n_points = detection.point_indices.len() as u64;
-    Extents { center_m: Some(center_m), length_width_height_m: Some(length_width_height_m), n_points }
 }
 
 /// Whether a position is inside the box on the ground plan.

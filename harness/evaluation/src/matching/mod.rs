@@ -14,6 +14,7 @@ mod labeled_positions;
 pub mod eligibility;
 mod ignored_detections;
 pub mod detection_order;
+mod judged_slice;
 pub mod assign;
 pub mod lost_points;
 pub mod mistake;

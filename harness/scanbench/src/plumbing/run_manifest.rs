@@ -15,6 +15,7 @@ use reports::files::archive::SCHEMA;
 use reports::run_folder::manifest::{
     AnnotatedClasses, DatasetEntry, DetectorEntry, ForeignEntry, IgnoreRule, Manifest, Simulation,
 };
+use reports::vocabulary::class::AnnotationClass;
 use reports::vocabulary::protocol::Protocol;
 use scans::dataset;
 use simulator::SIMULATOR_VERSION;
@@ -151,15 +152,24 @@ fn json(resolved: &toml::Table) -> serde_json::Value {
 /// The criterion of the run, of the classes that have one of their own, and the slice that alone is judged, in words.
 fn criteria_in_words(config: &RunConfig) -> String {
     let of_run = config.matching.criterion;
-    let of_classes = config.class_criteria.all(of_run);
-    let of_classes =
-        of_classes.map(|(class, criterion)| format!("; {class}: {}", criterion_in_words(criterion)));
+    let mut of_classes: Vec<(String, Vec<&str>)> = Vec::new();
+    for (class, criterion) in config.class_criteria.all(of_run) {
+        let words = criterion_in_words(criterion);
+        match of_classes.iter_mut().find(|(it, _)| *it == words) {
+            Some((_, classes)) => classes.push(class.name()),
+            None => of_classes.push((words, vec![class.name()])),
+        }
+    }
+    let of_classes = of_classes.into_iter().map(|(words, classes)| match classes.len() {
+        n if n == AnnotationClass::ALL.len() => format!("; each class: {words}"),
+        _ => format!("; {}: {words}", classes.join(", ")),
+    });
     let preset = config.class_criteria.preset();
     let preset = preset.map(|it| format!(" (criteria of classes as in {})", it.benchmark()));
     let only = config.value_of("matching.only").and_then(toml::Value::as_str);
     let only = only.map(|it| format!("; judged in the slice {it} only"));
-    let of_classes: String = of_classes.collect();
-    [criterion_in_words(of_run), of_classes, preset.unwrap_or_default(), only.unwrap_or_default()].concat()
+    [criterion_in_words(of_run), of_classes.collect(), preset.unwrap_or_default(), only.unwrap_or_default()]
+        .concat()
 }
 
 /// Words for when a detection matches an annotation.

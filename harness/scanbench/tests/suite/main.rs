@@ -30,6 +30,7 @@ mod odd_detector;
 mod foreign_detectors;
 mod results_of_others;
 mod classes;
+mod own_slices;
 mod shards;
 mod going_on;
 mod start_up;

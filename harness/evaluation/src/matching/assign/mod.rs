@@ -11,6 +11,7 @@ use crate::matching::detection_order::detection_ranks;
 use crate::matching::eligibility::{EligibilityParams, asks_for, exclusions};
 use crate::matching::hungarian::{AdmissiblePair, match_pairs};
 use crate::matching::ignored_detections::UnjudgedPositions;
+use crate::matching::judged_slice::judge_only;
 use crate::matching::outcome::{AnnotationOutcome, Assignment, DetectionOutcome, FoundTall};
 use crate::matching::point_overlap::PointOverlap;
 
@@ -57,12 +58,16 @@ pub fn assign(
     let found_tall = match_by_rank(&admissible, &ranks, may_find_tall);
 
     let scene = Scene { scan, detections, task, is_asked, overlap, exclusions, admissible };
-    Assignment {
+    let assignment = Assignment {
         task,
         criterion: params.criterion.kind(),
         annotations: scene.annotation_outcomes(&matched),
         detections: scene.detection_outcomes(&matched, &found_tall, annotated, &params.eligibility),
         found_tall: found_tall.into_iter().map(found_tall_of).collect(),
+    };
+    match params.eligibility.only {
+        Some(slice) => judge_only(slice, scan, detections, assignment),
+        None => assignment,
     }
 }
 

@@ -41,7 +41,8 @@ pub fn config_schema() -> Json {
         "additionalProperties": {"type": "object", "additionalProperties": false, "properties": of_class},
     });
     matching["preset"] = json!({"enum": CriterionPreset::ALL, "description": "A benchmark whose criteria of classes are used"});
-    matching["only"] = json!({"type": "string", "description": "The slice outside of which nothing is judged"});
+    matching["only"] =
+        json!({"type": "string", "description": "The slice outside of which nothing is judged"});
     properties[OWN_CLASSES] = json!({
         "type": "object",
         "description": "Classes of your own",
@@ -70,7 +71,8 @@ pub fn config_schema() -> Json {
 }
 
 fn schema_of_class() -> Json {
-    let words = |description: &str| json!({"type": "array", "items": {"type": "string"}, "description": description});
+    let words =
+        |description: &str| json!({"type": "array", "items": {"type": "string"}, "description": description});
     json!({
         "type": "object",
         "additionalProperties": false,

@@ -55,7 +55,10 @@ pub(super) const MATCHING_BOUNDS: &[Bounds] = &[
 pub(super) const WITHOUT_DEFAULT: [&str; 3] = ["class", "preset", "only"];
 
 /// Reads the parameters of a complete TOML document; `slices` are the user's.
-pub(super) fn matching_from(text: &str, slices: &OwnSlices) -> Result<(MatchingParams, ClassCriteria), ParamsError> {
+pub(super) fn matching_from(
+    text: &str,
+    slices: &OwnSlices,
+) -> Result<(MatchingParams, ClassCriteria), ParamsError> {
     let table: MatchingTable = toml::from_str(text)?;
     check_bounds(&toml::from_str(text)?, MATCHING_BOUNDS)?;
     let criterion = match table.criterion {

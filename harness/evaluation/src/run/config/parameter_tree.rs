@@ -33,7 +33,11 @@ pub(super) fn set(
         let Some(present) = table.get_mut(key) else {
             let known = table.keys().map(String::as_str).collect::<Vec<_>>().join(", ");
             // Only the top level has tables that are no parameters.
-            let others = if parents.len() == 1 { "; other tables are classes, class.NAME, slice.NAME and detector.NAME" } else { "" };
+            let others = if parents.len() == 1 {
+                "; other tables are classes, class.NAME, slice.NAME and detector.NAME"
+            } else {
+                ""
+            };
             let remedy = format!("parameters are {known}{others}");
             return Err(ConfigError::Unknown {
                 position: position_of(parents),

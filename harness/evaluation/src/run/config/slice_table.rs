@@ -27,8 +27,10 @@ impl OwnSlices {
             let wrong = |problem: String| (vec![SLICES.to_owned(), name.clone()], format!(": {problem}"));
             let no_name = || wrong(format!("{name:?} is no name of a slice: use a-z, 0-9 and -"));
             let slice = OwnSlice::named(name).ok_or_else(no_name)?;
-            let bounds: SliceBounds =
-                value.clone().try_into().map_err(|error: toml::de::Error| wrong(error.message().to_owned()))?;
+            let bounds: SliceBounds = value
+                .clone()
+                .try_into()
+                .map_err(|error: toml::de::Error| wrong(error.message().to_owned()))?;
             match bounds.problem() {
                 Some(problem) => Err(wrong(problem)),
                 None => Ok((slice, bounds)),
