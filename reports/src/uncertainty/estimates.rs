@@ -370,13 +370,36 @@ mod tests {
             let rows = seen(&scan, outcomes).metric_rows().into_iter();
             rows.filter(|it| matches!(it.metric, Metric::AveragePrecision(_))).map(|it| it.value()).collect()
         };
-        assert_eq!(average_precision(scan_row(3, 1, 0, Some(0)), vec![missed()]), [Some(0.0); 2]);
+        // Of all, and of its range.
+        assert_eq!(average_precision(scan_row(3, 1, 0, Some(0)), vec![missed()]), [Some(0.0); 4]);
         assert_eq!(average_precision(scan_row(3, 1, 0, Some(0)), vec![]), [Some(0.0); 2]);
         // No annotations, unknown false objects, and a task without a ranking.
         assert_eq!(average_precision(scan_row(3, 0, 0, Some(0)), vec![]), [None; 2]);
         assert_eq!(average_precision(scan_row(3, 1, 0, None), vec![missed()]), []);
         let objects = ScanRow { task: Task::Objects, ..scan_row(3, 1, 0, Some(0)) };
         assert_eq!(average_precision(objects, vec![missed()]), []);
+    }
+
+    #[test]
+    fn average_precision_is_that_of_a_range_too() {
+        let at = |x: f32, score: f32| detection(Some(score), 70, boxed(x, 4.0, 0.0));
+        let matched = |x: f32, score: f32| MatchOutcome::Matched {
+            annotation: annotation(AnnotationClass::Car, 100, boxed(x, 4.0, 0.0)),
+            detection: at(x, score),
+            cost: 0.25,
+        };
+        let far = MatchOutcome::False { detection: at(40.0, 0.9), reason: FalseReason::NothingThere };
+        let outcomes = vec![matched(10.0, 0.5), far, matched(40.0, 0.4)];
+        let rows = seen(&scan_row(3, 2, 2, Some(1)), outcomes).metric_rows();
+        let ap = |slice: &str| {
+            let is_asked = |it: &&MetricRow| {
+                it.metric == Metric::AveragePrecision(RecallPositions::R40) && it.subject.slice.name() == slice
+            };
+            rows.iter().find(is_asked).and_then(MetricRow::value)
+        };
+        // The surest detection is false, and far away: nothing near is.
+        assert_eq!([ap("range/0-15"), ap("range/30-50"), ap("range/15-30")], [Some(1.0), Some(0.5), None]);
+        assert!((ap("all").unwrap() - 2.0 / 3.0).abs() < 1e-12);
     }
 
     #[test]

@@ -17,7 +17,7 @@ pub struct MatchingArgs {
     #[arg(long, value_enum, value_name = "RULE")]
     pub criterion: Option<CriterionName>,
     /// Judge nothing outside this slice of the configuration: [slice.NAME]
-    #[arg(long, value_name = "NAME")]
+    #[arg(long, value_name = "NAME", hide_short_help = true)]
     pub only: Option<String>,
 }
 
