@@ -17,6 +17,7 @@ pub mod protocols;
 pub mod partial_study;
 pub mod run_folder;
 pub mod verdicts;
+pub mod history;
 pub mod reproduction;
 
 // How it is shown.

@@ -33,13 +33,19 @@ pub fn check_comparable(baseline: &RunArchive, run: &RunArchive) -> Result<(), N
         let reason = "one is a result of `partial`, and the other is not";
         return Err(NotComparable { reasons: vec![reason.to_owned()] });
     }
-    let mut reasons = rules(&baseline.manifest, &run.manifest);
-    reasons.extend(datasets(&baseline.manifest, &run.manifest));
+    let mut reasons = differences_of_rules_and_data(&baseline.manifest, &run.manifest);
     if reasons.is_empty() {
         reasons.extend(scans(baseline, run));
         reasons.extend(partial_clouds(baseline, run));
     }
     if reasons.is_empty() { Ok(()) } else { Err(NotComparable { reasons }) }
+}
+
+/// Why numbers of two runs may not be compared, as far as their manifests say.
+pub(crate) fn differences_of_rules_and_data(before: &Manifest, now: &Manifest) -> Vec<String> {
+    let mut reasons = rules(before, now);
+    reasons.extend(datasets(before, now));
+    reasons
 }
 
 /// Differences in the rules of judging.

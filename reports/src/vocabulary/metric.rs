@@ -274,6 +274,11 @@ impl Metric {
         matches!(self.formula(), Formula::Ratio(..))
     }
 
+    /// Whether histories of runs keep it: rates, errors of boxes, and times beside the reference.
+    pub fn is_kept_in_history(&self) -> bool {
+        self.is_ratio() || matches!(self, Self::AveragePrecision(_) | Self::TimeRatio)
+    }
+
     /// Whether it is a time or made of one, and so another in every run.
     pub fn is_time(&self) -> bool {
         !matches!(self, Self::OfProtocol(_)) && matches!(self.unit(), "ms" | "scans/s" | "times")

@@ -6,7 +6,7 @@ use reports::vocabulary::class::AnnotationClass;
 use reports::vocabulary::criterion::CriterionKind;
 use reports::vocabulary::named::named;
 
-use super::class_criteria::ClassRule;
+use super::class_rule::ClassRule;
 
 named! {
     /// A benchmark whose criteria of classes are used: `matching.preset`. What counts, and how means are taken, is not the

@@ -7,6 +7,7 @@ pub mod point_overlap;
 pub mod rectangle_overlap;
 pub mod box_overlap;
 pub mod criterion;
+pub mod class_rule;
 pub mod criterion_preset;
 pub mod class_criteria;
 mod height_above_ground;

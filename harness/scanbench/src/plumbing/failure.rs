@@ -22,6 +22,7 @@ use evaluation::sweep::quality_pass::SweepError;
 use evaluation::sweep::sweep_plan::SweepPlanError;
 use reports::files::archive::ArchiveError;
 use reports::files::causes::with_causes;
+use reports::history::since::SinceError;
 use reports::numbers::run_report::RunReportError;
 use reports::run_folder::run_target::RunDirectoryError;
 use reports::run_folder::shard_check::ShardMismatch;
@@ -71,6 +72,29 @@ pub struct NothingEvaluated {
 #[derive(Debug, thiserror::Error)]
 #[error("gate {}", .0.in_words())]
 pub struct GateClosed(pub Conclusion);
+
+/// A run is worse than an earlier one of its history; what is worse has been printed.
+#[derive(Debug, thiserror::Error)]
+#[error("{n_worse} of its numbers worse than tolerated, compared with the run of --since")]
+pub struct WorseSince {
+    /// How many numbers are worse than tolerated.
+    pub n_worse: usize,
+}
+
+impl From<WorseSince> for Failure {
+    fn from(error: WorseSince) -> Self {
+        Self::Regression(error.into())
+    }
+}
+
+impl From<SinceError> for Failure {
+    fn from(error: SinceError) -> Self {
+        match error {
+            SinceError::Unknown { .. } => Usage(format!("--since: {error}")).into(),
+            SinceError::NotComparable { .. } => Self::NotComparable(error.into()),
+        }
+    }
+}
 
 /// A run that is to be accepted is worse than the one before; the verdict has been printed.
 #[derive(Debug, thiserror::Error)]

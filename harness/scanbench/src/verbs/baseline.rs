@@ -21,6 +21,7 @@ use crate::plumbing::open_run::open_run;
 use crate::plumbing::provenance::utc_day;
 use crate::plumbing::standard_streams::{print_diagnostic, print_result, print_text, terminal};
 use crate::verbs::gate::tolerances;
+use crate::verbs::history::add_to_history;
 use crate::verbs::gate_workflow::{GATE_WORKFLOW, gate_workflow};
 
 /// Writes the baseline that later runs are held to: the run itself, tolerances of all its numbers, and a workflow.
@@ -111,6 +112,9 @@ pub fn baseline_accept(arguments: &AcceptArgs) -> Result<(), Failure> {
     };
     let line = accept(&run, directory, acceptance, &[])?;
     print_text(&format!("{line}\n"))?;
+    if let Some(history) = &arguments.history {
+        add_to_history(history, &run, &arguments.run, arguments.link.as_deref())?;
+    }
     print_diagnostic(format_args!("Baseline: {}", directory.display()));
     Ok(())
 }

@@ -16,10 +16,11 @@ use reports::verdicts::tolerances_file::TolerancesError;
 use reports::verdicts::verdict::{Verdict, judge};
 
 use crate::cli::GateArgs;
-use crate::plumbing::failure::{Failure, GateClosed, Usage};
+use crate::plumbing::failure::{Failure, GateClosed, Usage, WorseSince};
 use crate::plumbing::open_run::open_run;
 use crate::plumbing::standard_streams::{print_text, terminal};
 use crate::plumbing::step_summary::append_to_step_summary;
+use crate::verbs::history::add_to_history;
 
 /// Judges a run by an accepted one, and prints and writes the verdict.
 pub fn gate(arguments: &GateArgs) -> Result<(), Failure> {
@@ -35,9 +36,19 @@ pub fn gate(arguments: &GateArgs) -> Result<(), Failure> {
         write_verdict(output, &verdict, &run)?;
     }
     append_to_step_summary(&Markdown.text(&verdict))?;
+    let history = arguments.history.as_ref();
+    let history = history.map(|it| add_to_history(it, &run, &arguments.run, arguments.link.as_deref())).transpose()?;
+    let since = arguments.since.as_ref().zip(history);
+    let since = since.map(|(wanted, it)| it.since(wanted, &run.manifest.created, &tolerances)).transpose()?;
     print_text(&printed(arguments, &verdict))?;
+    if let Some(since) = &since {
+        print_text(&(since.lines().join("\n") + "\n"))?;
+    }
     match verdict.conclusion() {
-        passed if passed.is_pass() => Ok(()),
+        passed if passed.is_pass() => match since.map_or(0, |it| it.losses.len()) {
+            0 => Ok(()),
+            n_worse => Err(WorseSince { n_worse }.into()),
+        },
         closed => Err(GateClosed(closed).into()),
     }
 }

@@ -22,6 +22,7 @@ pub mod reproduce;
 pub mod merge;
 pub mod worst_scans;
 pub mod view;
+pub mod history;
 pub mod gate;
 pub mod gate_workflow;
 pub mod baseline;
@@ -116,6 +117,8 @@ pub enum Command {
     View(ViewArgs),
     /// Check a run against the baseline: fail if it is worse or results changed
     Gate(GateArgs),
+    /// Show what became of the numbers of a branch: trends, and the runs where they changed
+    History(history::HistoryArgs),
     /// Make and replace the baseline of `gate`
     #[command(
         subcommand,
@@ -260,6 +263,7 @@ pub fn dispatch(cli: &Cli) -> Result<(), Failure> {
         Command::Report(arguments) => report::report(arguments),
         Command::View(arguments) => view::view(arguments),
         Command::Gate(arguments) => gate::gate(arguments),
+        Command::History(arguments) => history::history(arguments),
         Command::Baseline(BaselineCommand::Init(arguments)) => baseline::baseline_init(arguments),
         Command::Baseline(BaselineCommand::Accept(arguments)) => baseline::baseline_accept(arguments),
         Command::Selftest(arguments) => selftest::selftest(arguments),

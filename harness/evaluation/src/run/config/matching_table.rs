@@ -9,7 +9,8 @@ use serde::Deserialize;
 use serde::de::Error as _;
 
 use crate::matching::assign::MatchingParams;
-use crate::matching::class_criteria::{ClassCriteria, ClassRule};
+use crate::matching::class_criteria::ClassCriteria;
+use crate::matching::class_rule::ClassRule;
 use crate::matching::criterion::Criterion;
 use crate::matching::criterion_preset::CriterionPreset;
 use crate::matching::eligibility::EligibilityParams;
