@@ -5,7 +5,7 @@
 //! have one as large; then both sides are looked at alike.
 
 use rand::seq::SliceRandom as _;
-use rand::{Rng as _, SeedableRng as _};
+use rand::{RngExt as _, SeedableRng as _};
 use rand_chacha::ChaCha8Rng;
 
 /// Permutations that a split is held against.
@@ -169,8 +169,9 @@ mod tests {
 
     #[test]
     fn steps_up_and_down_are_two_changes() {
-        let values: Vec<f64> =
-            (0..30).map(|run| if (10..20).contains(&run) { 2.0 } else { 1.0 } + 0.01 * f64::from(run % 3)).collect();
+        let values: Vec<f64> = (0..30)
+            .map(|run| if (10..20).contains(&run) { 2.0 } else { 1.0 } + 0.01 * f64::from(run % 3))
+            .collect();
         let at: Vec<usize> = change_points(&values).iter().map(|it| it.first_after).collect();
         assert_eq!(at, [10, 20]);
     }

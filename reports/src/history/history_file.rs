@@ -158,7 +158,8 @@ impl History {
         let mut numbers = Vec::new();
         let mut has_schema = false;
         for (line_idx, line) in text.lines().enumerate().filter(|(_, it)| !it.trim().is_empty()) {
-            let line: Line = serde_json::from_str(line).map_err(|error| damaged(line_idx, error.to_string()))?;
+            let line: Line =
+                serde_json::from_str(line).map_err(|error| damaged(line_idx, error.to_string()))?;
             match line {
                 Line::History { schema: HISTORY_SCHEMA } => has_schema = true,
                 Line::History { schema } => {
@@ -187,7 +188,9 @@ impl History {
             let unknown = || damaged(line_idx, format!("there is no run {run:?}"));
             history.runs.get_mut(&run).ok_or_else(unknown)?.numbers.insert(name, number);
         }
-        if let Some((name, run)) = history.runs.iter().find(|(_, it)| !history.settings.contains_key(&it.settings)) {
+        if let Some((name, run)) =
+            history.runs.iter().find(|(_, it)| !history.settings.contains_key(&it.settings))
+        {
             return Err(damaged(0, format!("there are no settings {:?} of the run {name}", run.settings)));
         }
         Ok(history)
@@ -199,7 +202,11 @@ impl History {
         let settings = settings_of(manifest);
         let id = hash(&serde_json::to_vec(&settings).unwrap_or_default());
         self.settings.insert(id.clone(), settings);
-        let rows = run.report.rows().iter().chain(run.report.overall()).filter(|it| is_kept(it));
+        let first_task = run.report.first_task();
+        // Times are the same in every task.
+        let is_once = |it: &&MetricRow| !it.metric.is_time() || Some(it.subject.task) == first_task;
+        let rows = run.report.rows().iter().chain(run.report.overall());
+        let rows = rows.filter(|it| is_kept(it)).filter(is_once);
         let number = |it: &MetricRow| {
             let name = NumberName { subject: it.subject.clone(), metric: it.metric.clone() };
             Some((name, Number { value: it.value()?, within: it.interval().map(|it| it.ends) }))
@@ -286,7 +293,9 @@ impl RunOfHistory {
     /// The beginning of the commit, for people.
     pub fn short_commit(&self) -> String {
         let dirty = if self.dirty { "+" } else { "" };
-        self.commit.as_deref().map_or_else(|| "–".to_owned(), |it| format!("{}{dirty}", &it[..it.len().min(8)]))
+        self.commit
+            .as_deref()
+            .map_or_else(|| "–".to_owned(), |it| format!("{}{dirty}", &it[..it.len().min(8)]))
     }
 }
 

@@ -1,9 +1,13 @@
 //! How much a run lost since an earlier one of its history.
 
-use super::history_file::{History, NumberName};
+use super::history_file::{History, NumberName, RunOfHistory};
 use super::trends::differences;
+use crate::files::fixed_decimals::fixed_decimals;
 use crate::verdicts::tolerances::{GatedSubject, Tolerances};
 use crate::vocabulary::metric::{Direction, Metric};
+
+/// Losses that are listed, at most.
+const MOST_LISTED: usize = 10;
 
 /// A number that became worse since an earlier run.
 #[derive(Debug, Clone, PartialEq)]
@@ -58,10 +62,14 @@ impl History {
     /// [`SinceError`] if no run is meant, or it cannot be compared.
     pub fn since(&self, wanted: &str, created: &str, tolerances: &Tolerances) -> Result<Since, SinceError> {
         let runs = self.runs();
-        let is_meant = |(name, run): &&(&str, &super::history_file::RunOfHistory)| {
+        let is_meant = |(name, run): &&(&str, &RunOfHistory)| {
             name.starts_with(wanted) || run.commit.as_deref().is_some_and(|it| it.starts_with(wanted))
         };
-        let found = runs.iter().find(is_meant).filter(|_| !wanted.is_empty()).zip(runs.iter().rfind(|(_, it)| it.created == created));
+        let found = runs
+            .iter()
+            .find(is_meant)
+            .filter(|_| !wanted.is_empty())
+            .zip(runs.iter().rfind(|(_, it)| it.created == created));
         let Some(((_, before), (_, now))) = found else {
             let known = match (runs.first(), runs.last()) {
                 (Some((first, _)), Some((last, _))) => format!("{} runs, from {first} to {last}", runs.len()),
@@ -77,8 +85,11 @@ impl History {
         for (name, number) in now.numbers.iter().filter(|(name, _)| !name.metric.is_time()) {
             let Some(earlier) = before.numbers.get(name) else { continue };
             let part = name.subject.slice.name();
-            let subject =
-                GatedSubject { task: name.subject.task.name(), detector: &name.subject.detector, part: &part };
+            let subject = GatedSubject {
+                task: name.subject.task.name(),
+                detector: &name.subject.detector,
+                part: &part,
+            };
             let Some(rule_idx) = tolerances.rule_about(&name.metric, subject) else { continue };
             n_compared += 1;
             let tolerance = tolerances.quality[rule_idx].tolerance(&name.metric, earlier.value);
@@ -107,19 +118,30 @@ impl Since {
         let Self { run, n_compared, losses } = self;
         let first = match losses.len() {
             0 => format!("Since {run}: none of {n_compared} numbers is worse than tolerated."),
-            n => format!("Since {run}: {n} of {n_compared} numbers are worse than tolerated, step by step or at once."),
+            n => format!(
+                "Since {run}: {n} of {n_compared} numbers are worse than tolerated, step by step or at once."
+            ),
         };
         let line = |it: &LossSince| {
             let (subject, metric) = (&it.name.subject, it.name.metric.id());
+            let is_share = it.name.metric.unit() == "ratio";
             let shown = |value: f64| {
-                if it.name.metric.is_ratio() || metric.starts_with("ap") { format!("{:.1} %", 100.0 * value) } else { format!("{value:.3}") }
+                let decimals = if is_share { 1 } else { 3 };
+                let text = fixed_decimals(if is_share { 100.0 * value } else { value }, decimals);
+                if is_share { format!("{text} %") } else { text }
             };
             let [before, now] = it.values.map(shown);
             format!(
                 "  {metric} of {}, {}, {}, {}: {before} → {now}; tolerated {}",
-                subject.task, subject.slice, subject.detector, subject.dataset, shown(it.tolerance)
+                subject.task,
+                subject.slice,
+                subject.detector,
+                subject.dataset,
+                shown(it.tolerance)
             )
         };
-        [first].into_iter().chain(losses.iter().map(line)).collect()
+        let more = losses.len().saturating_sub(MOST_LISTED);
+        let more = (more > 0).then(|| format!("  and {more} more"));
+        [first].into_iter().chain(losses.iter().take(MOST_LISTED).map(line)).chain(more).collect()
     }
 }

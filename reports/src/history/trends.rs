@@ -7,7 +7,7 @@ use rayon::iter::{IntoParallelIterator as _, ParallelIterator as _};
 use super::change_points::{ChangePoint, change_points};
 use super::history_file::{History, Number, NumberName, RunOfHistory};
 use crate::run_folder::detector_changes::detector_changes;
-use crate::run_folder::manifest::Manifest;
+use crate::run_folder::manifest::{DatasetEntry, Manifest};
 use crate::verdicts::comparability::differences_of_rules_and_data;
 use crate::vocabulary::metric::Metric;
 use crate::vocabulary::slice::Slice;
@@ -52,7 +52,7 @@ pub struct Trends<'a> {
 }
 
 /// The metrics that are looked at unless others are asked for.
-pub const USUAL_METRICS: [&str; 3] = ["f_rate", "recall", "time_ratio"];
+pub const USUAL_METRICS: [&str; 3] = ["f_rate", "recall", "time_over_reference"];
 
 impl<'a> Trends<'a> {
     /// Those of `metrics` in `history`. Recall is left out where there is an F-rate, unless it alone is asked for.
@@ -73,8 +73,12 @@ impl<'a> Trends<'a> {
             let of_rate = NumberName { metric: Metric::FRate, ..name.clone() };
             metrics.contains(&Metric::FRate) && runs.iter().any(|(_, run)| run.numbers.contains_key(&of_rate))
         };
-        let kept = values.into_iter().filter(|((_, name, _), _)| name.metric != Metric::Recall || !has_f_rate(name));
-        let trend = |((group, name, processor), values): ((usize, &NumberName, Option<&str>), Vec<(usize, Number)>)| {
+        let kept =
+            values.into_iter().filter(|((_, name, _), _)| name.metric != Metric::Recall || !has_f_rate(name));
+        let trend = |((group, name, processor), values): (
+            (usize, &NumberName, Option<&str>),
+            Vec<(usize, Number)>,
+        )| {
             let values: Vec<(usize, Number)> = values[values.len().saturating_sub(MOST_RUNS)..].to_vec();
             let numbers: Vec<f64> = values.iter().map(|(_, it)| it.value).collect();
             let (name, processor) = (name.clone(), processor.map(str::to_owned));
@@ -133,8 +137,10 @@ impl Trend {
     /// Its number in words, such as `F-rate of vehicles, pca, streets`.
     pub fn in_words(&self) -> String {
         let subject = &self.name.subject;
-        let slice = if subject.slice == Slice::All { String::new() } else { format!(" in {}", subject.slice) };
-        let about = if self.name.metric.is_time() { String::new() } else { format!(" of {}{slice}", subject.task) };
+        let slice =
+            if subject.slice == Slice::All { String::new() } else { format!(" in {}", subject.slice) };
+        let about =
+            if self.name.metric.is_time() { String::new() } else { format!(" of {}{slice}", subject.task) };
         let processor = self.processor.as_ref().map(|it| format!(", {it}")).unwrap_or_default();
         format!("{}{about}, {}, {}{processor}", self.name.metric.id(), subject.detector, subject.dataset)
     }
@@ -170,7 +176,7 @@ pub(super) fn differences(before: &Manifest, now: &Manifest) -> Vec<String> {
     compare("the seeds of simulated data", before.seeds == now.seeds);
     for (old, new) in before.datasets.iter().zip(&now.datasets) {
         compare(&format!("the simulation of {}", new.id), old.simulation == new.simulation);
-        let scans = |it: &crate::run_folder::manifest::DatasetEntry| (it.n_scans, it.selection.clone());
+        let scans = |it: &DatasetEntry| (it.n_scans, it.selection.clone());
         compare(&format!("the chosen scans of {}", new.id), scans(old) == scans(new));
     }
     reasons

@@ -6,7 +6,7 @@ use super::document::{Section, document};
 use super::markup::wide_picture;
 use crate::files::fixed_decimals::fixed_decimals;
 use crate::history::change_points::{ChangePoint, SIGNIFICANCE};
-use crate::history::trends::{MOST_RUNS, Trend, Trends};
+use crate::history::trends::{Comparable, MOST_RUNS, Trend, Trends};
 use crate::plots::history_plot::history_figures;
 
 /// Numbers that are listed for a run, at most; the page has all.
@@ -110,7 +110,11 @@ fn looked_at(trends: &Trends<'_>) -> String {
         (Some((_, first)), Some((_, last))) => format!(", {} to {}", first.created, last.created),
         _ => String::new(),
     };
-    let most = if trends.runs.len() > MOST_RUNS { format!(", in their last {MOST_RUNS} runs") } else { String::new() };
+    let most = if trends.runs.len() > MOST_RUNS {
+        format!(", in their last {MOST_RUNS} runs")
+    } else {
+        String::new()
+    };
     format!(
         "{} runs{ends}. {n} numbers are looked at{most}, each at a level of {} %: about {by_chance} would be called changed by chance.",
         trends.runs.len(),
@@ -132,7 +136,7 @@ fn change_in_words(trend: &Trend, change: &ChangePoint) -> String {
     let [from, to] = change.within.map(run);
     let position = if from == to { String::new() } else { format!(", at run {from} to {to}") };
     format!(
-        "{}: {before} → {after}{unit} ({} to {}), p {}{position}",
+        "{}: {before} → {after}{unit}, by {} to {}, p {}{position}",
         trend.in_words(),
         signed(&low),
         signed(&high),
@@ -147,7 +151,7 @@ fn signed(number: &str) -> String {
 /// Where another line of comparable runs begins, and why.
 fn other_lines(trends: &Trends<'_>) -> Vec<String> {
     let others = trends.groups.iter().skip(1);
-    let line = |group: &crate::history::trends::Comparable| {
+    let line = |group: &Comparable| {
         format!("Run {} begins another line: {}.", group.runs[0] + 1, group.reasons.join("; "))
     };
     others.map(line).collect()

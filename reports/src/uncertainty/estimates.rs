@@ -393,7 +393,8 @@ mod tests {
         let rows = seen(&scan_row(3, 2, 2, Some(1)), outcomes).metric_rows();
         let ap = |slice: &str| {
             let is_asked = |it: &&MetricRow| {
-                it.metric == Metric::AveragePrecision(RecallPositions::R40) && it.subject.slice.name() == slice
+                it.metric == Metric::AveragePrecision(RecallPositions::R40)
+                    && it.subject.slice.name() == slice
             };
             rows.iter().find(is_asked).and_then(MetricRow::value)
         };

@@ -21,8 +21,8 @@ use crate::plumbing::open_run::open_run;
 use crate::plumbing::provenance::utc_day;
 use crate::plumbing::standard_streams::{print_diagnostic, print_result, print_text, terminal};
 use crate::verbs::gate::tolerances;
-use crate::verbs::history::add_to_history;
 use crate::verbs::gate_workflow::{GATE_WORKFLOW, gate_workflow};
+use crate::verbs::history::add_to_history;
 
 /// Writes the baseline that later runs are held to: the run itself, tolerances of all its numbers, and a workflow.
 pub fn baseline_init(arguments: &BaselineInitArgs) -> Result<(), Failure> {

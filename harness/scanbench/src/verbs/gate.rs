@@ -37,7 +37,8 @@ pub fn gate(arguments: &GateArgs) -> Result<(), Failure> {
     }
     append_to_step_summary(&Markdown.text(&verdict))?;
     let history = arguments.history.as_ref();
-    let history = history.map(|it| add_to_history(it, &run, &arguments.run, arguments.link.as_deref())).transpose()?;
+    let history =
+        history.map(|it| add_to_history(it, &run, &arguments.run, arguments.link.as_deref())).transpose()?;
     let since = arguments.since.as_ref().zip(history);
     let since = since.map(|(wanted, it)| it.since(wanted, &run.manifest.created, &tolerances)).transpose()?;
     print_text(&printed(arguments, &verdict))?;

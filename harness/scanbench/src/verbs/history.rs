@@ -13,7 +13,7 @@ use reports::vocabulary::metric::Metric;
 use crate::cli::help_text::{JUDGING, OUTPUT};
 use crate::plumbing::failure::{Failure, Usage};
 use crate::plumbing::open_run::open_run;
-use crate::plumbing::standard_streams::{print_diagnostic, print_result};
+use crate::plumbing::standard_streams::{print_diagnostic, print_text};
 
 /// Arguments of `scanbench history`.
 #[derive(Debug, Args)]
@@ -22,7 +22,7 @@ pub struct HistoryArgs {
     /// Histories, and run directories
     #[arg(value_name = "FILE|RUN", required = true)]
     pub paths: Vec<PathBuf>,
-    /// Metrics to look at, as report.json names them [default: f_rate, recall where that is undefined, time_ratio]
+    /// Metrics to look at, as report.json names them [default: f_rate, recall where that is undefined, time_over_reference]
     #[arg(long, value_name = "NAME,…", value_delimiter = ',', help_heading = JUDGING)]
     pub metric: Vec<String>,
     /// Directory for history.html, history.svg and history.jsonl
@@ -63,7 +63,8 @@ pub fn history(arguments: &HistoryArgs) -> Result<(), Failure> {
         files.finish()?;
         print_diagnostic(format_args!("Page: {}", output.join("history.html").display()));
     }
-    print_result(in_short(&trends).trim_end())
+    print_text(&in_short(&trends))?;
+    Ok(())
 }
 
 fn metrics(names: &[String]) -> Result<Vec<Metric>, Usage> {
@@ -71,7 +72,7 @@ fn metrics(names: &[String]) -> Result<Vec<Metric>, Usage> {
     let names: Vec<String> = if names.is_empty() { usual() } else { names.to_vec() };
     let known = |name: &String| {
         let metric = Metric::from_id(name).filter(Metric::is_kept_in_history);
-        metric.ok_or_else(|| Usage(format!("--metric: {name:?} is no metric that a history keeps; such are f_rate, recall, precision, ap_r40 and time_ratio")))
+        metric.ok_or_else(|| Usage(format!("--metric: {name:?} is no metric that a history keeps; such are f_rate, recall, precision, ap_r40 and time_over_reference")))
     };
     names.iter().map(known).collect()
 }
@@ -92,11 +93,19 @@ fn refuse_partial(run: &RunArchive, directory: &Path) -> Result<(), Usage> {
     if run.manifest.partial.is_none() {
         return Ok(());
     }
-    Err(Usage(format!("{} is a result of partial; a history keeps numbers of runs over scans", directory.display())))
+    Err(Usage(format!(
+        "{} is a result of partial; a history keeps numbers of runs over scans",
+        directory.display()
+    )))
 }
 
 /// Adds `run` to the history in `path`, which is made if it is not there, and returns all of it.
-pub fn add_to_history(path: &Path, run: &RunArchive, directory: &Path, link: Option<&str>) -> Result<History, Failure> {
+pub fn add_to_history(
+    path: &Path,
+    run: &RunArchive,
+    directory: &Path,
+    link: Option<&str>,
+) -> Result<History, Failure> {
     refuse_partial(run, directory)?;
     let mut history = if path.exists() { read_history(path)? } else { History::default() };
     history.add(run, link);

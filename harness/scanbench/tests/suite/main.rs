@@ -41,6 +41,7 @@ mod protocol_labels;
 mod fit_density;
 mod gate;
 mod baseline;
+mod history;
 #[cfg(target_os = "linux")]
 mod full_disk;
 mod blocks;
