@@ -1,8 +1,8 @@
 //! Changes of the distribution of a sequence of numbers.
 //!
-//! Matteson & James 2014 (E-divisive), with the end of the sequence as the right end, as Daly et al. 2020 use it on numbers of
-//! a CI: the split with the largest energy distance between both sides is a change if permutations of the sequence hardly ever
-//! have one as large; then both sides are looked at alike.
+//! Matteson & James 2014 (E-divisive), as Daly et al. 2020 use it on numbers of a CI: the split with the largest energy distance
+//! between what is before it and a stretch after it is a change if permutations of the sequence hardly ever have one as large;
+//! then both sides are looked at alike.
 
 use rand::seq::SliceRandom as _;
 use rand::{RngExt as _, SeedableRng as _};
@@ -84,37 +84,35 @@ fn significance(values: &[f64], distance: f64, random: &mut ChaCha8Rng) -> Optio
     Some(n_as_good as f64 / (N_PERMUTATIONS + 1) as f64)
 }
 
-/// The split with the largest scaled energy distance between its sides, of those with [`FEWEST`] numbers on each; `None` if
-/// there is none with any.
+/// The split with the largest scaled energy distance between what is before it and some stretch after it, of those with
+/// [`FEWEST`] numbers on each side; `None` if there is none with any distance.
 fn best_split(values: &[f64]) -> Option<(usize, f64)> {
     let n = values.len();
-    if n < 2 * FEWEST {
-        return None;
-    }
-    let apart = |a: usize, b: usize| (values[a] - values[b]).abs();
-    // Sums of distances within the left side, within the right side, and across.
-    let mut within_left = 0.0;
-    let mut within_right: f64 = (0..n).map(|a| (a + 1..n).map(|b| apart(a, b)).sum::<f64>()).sum();
-    let mut across = 0.0;
-    let mut best: Option<(usize, f64)> = None;
-    for at in 1..n {
-        // The number before `at` goes over to the left.
-        let moved = at - 1;
-        let to_left: f64 = (0..moved).map(|it| apart(it, moved)).sum();
-        let to_right: f64 = (at..n).map(|it| apart(it, moved)).sum();
-        within_left += to_left;
-        within_right -= to_right;
-        across += to_right - to_left;
-        if at < FEWEST || n - at < FEWEST {
-            continue;
+    // Sums of the distances of all pairs from the rows before one to the columns before another.
+    let mut sums = vec![0.0; (n + 1) * (n + 1)];
+    for row in 0..n {
+        let mut of_row = 0.0;
+        for column in 0..n {
+            of_row += (values[row] - values[column]).abs();
+            sums[(row + 1) * (n + 1) + column + 1] = sums[row * (n + 1) + column + 1] + of_row;
         }
-        let [left, right] = [at as f64, (n - at) as f64];
-        let energy = 2.0 * across / (left * right)
-            - 2.0 * within_left / (left * (left - 1.0))
-            - 2.0 * within_right / (right * (right - 1.0));
-        let distance = energy * left * right / (left + right);
-        if distance > 1e-12 && best.is_none_or(|(_, most)| distance > most) {
-            best = Some((at, distance));
+    }
+    let sum = |rows: [usize; 2], columns: [usize; 2]| {
+        let before = |row: usize, column: usize| sums[row * (n + 1) + column];
+        before(rows[1], columns[1]) - before(rows[0], columns[1]) - before(rows[1], columns[0])
+            + before(rows[0], columns[0])
+    };
+    let mut best: Option<(usize, f64)> = None;
+    for at in FEWEST..n.saturating_sub(FEWEST - 1) {
+        for end in at + FEWEST..=n {
+            let [left, right] = [at as f64, (end - at) as f64];
+            let energy = 2.0 * sum([0, at], [at, end]) / (left * right)
+                - sum([0, at], [0, at]) / (left * (left - 1.0))
+                - sum([at, end], [at, end]) / (right * (right - 1.0));
+            let distance = energy * left * right / (left + right);
+            if distance > 1e-9 && best.is_none_or(|(_, most)| distance > most) {
+                best = Some((at, distance));
+            }
         }
     }
     best

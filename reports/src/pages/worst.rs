@@ -10,6 +10,7 @@ use crate::facts::seen_boxes::{SeenBox, scan_name};
 use crate::plots::scene_plot::{Scene, SceneDetection, scene_keys, scene_plot};
 use crate::vocabulary::reason::MistakeKind;
 use crate::vocabulary::task::Task;
+use crate::worst::mistakes::scan_address;
 use crate::worst::objects::{MistakeList, WorstObject};
 
 /// The section of worst mistakes; `None` if there are none with a position, and no matches.
@@ -22,6 +23,7 @@ pub(super) fn worst(facts: &RunFacts) -> Option<Section> {
     let content = html! {
         p.about {
             "The missed and false objects with the most points, each object once, and two of the closest matches. Forward is up; the wedge at the edge points to the sensor, and a cross (+) is the sensor. "
+            code { "scanbench view RUN --at SCAN" } " opens a scan in the viewer. "
             @if facts.points.is_some() { "Dots are points of the scan: dark above the road, pale on the road." }
         }
         (key(&scene_keys(&facts.detectors())))
@@ -101,7 +103,7 @@ fn scene(
             figcaption {
                 strong { (word) " " (worst.class) } ": " (worst.reason) br;
                 (worst.n_points) " points, " (format!("{range_m:.1}")) " m away" br;
-                span.where { (object.dataset) @if is_simulated { " (simulated)" } ", " (object.sequence) ", scan " (object.scan) }
+                span.where { code { (scan_address(&object.dataset, &object.sequence, object.scan)) } @if is_simulated { " (simulated)" } }
                 @if let Some(recorded) = facts.recordings.as_ref().and_then(|it| it.of(object)) {
                     br; "recorded in " a href=(recorded.recording) { (recorded.recording) } ", at scan " (recorded.step)
                 }

@@ -13,6 +13,7 @@ use crate::verdicts::change::{Change, ChangeKind};
 use crate::verdicts::partial_differences::CurveName;
 use crate::vocabulary::reason::{FalseReason, MissReason};
 use crate::vocabulary::study::Study;
+use crate::worst::mistakes::scan_address;
 
 /// A scan on which results of a detector changed.
 #[derive(Debug, Clone, PartialEq)]
@@ -52,7 +53,7 @@ impl ScanSubject {
         if task == Study::Partial.name() {
             return format!("{sequence} at step {scan}, {dataset}, {detector}");
         }
-        format!("{dataset} {sequence}/{scan:06}, {detector}, {task}")
+        format!("{}, {detector}, {task}", scan_address(dataset, sequence, *scan))
     }
 }
 

@@ -18,6 +18,8 @@ pub struct MistakeChoice<'a> {
     pub kind: Option<MistakeKind>,
     /// The class of the annotation, or of the detection; any if not given.
     pub class: Option<&'a str>,
+    /// The [`address`](ListedMistake::address) of the mistake, or of its scan; any if not given.
+    pub at: Option<&'a str>,
 }
 
 /// A mistake, by what the sensor saw of it.
@@ -37,6 +39,28 @@ pub struct ListedMistake<'a> {
     pub position_m: Option<[f32; 2]>,
 }
 
+impl ListedMistake<'_> {
+    /// Its address: data set, drive, scan and object, such as `street/0003/000012/missed-4`.
+    pub fn address(&self) -> String {
+        let id = match &self.row.outcome {
+            MatchOutcome::Missed { annotation, .. } => annotation.id,
+            MatchOutcome::False { detection, .. } => detection.id,
+            _ => unreachable!("no other outcome is listed"),
+        };
+        format!("{}/{}-{id}", scan_address(&self.row.dataset, &self.row.sequence, self.row.scan), self.kind)
+    }
+
+    fn is_at(&self, address: &str) -> bool {
+        let own = self.address();
+        own == address || own.strip_prefix(address).is_some_and(|it| it.starts_with('/'))
+    }
+}
+
+/// The address of a scan: data set, drive and number, such as `street/0003/000012`.
+pub fn scan_address(dataset: &str, sequence: &str, scan: u32) -> String {
+    format!("{dataset}/{sequence}/{scan:06}")
+}
+
 /// The `most` mistakes of `rows` with the most points, in the order of the rows where these are equal: the better an object
 /// was seen, the worse is the mistake.
 pub fn worst<'a>(rows: &'a [MatchRow], choice: &MistakeChoice<'_>, most: usize) -> Vec<ListedMistake<'a>> {
@@ -45,6 +69,7 @@ pub fn worst<'a>(rows: &'a [MatchRow], choice: &MistakeChoice<'_>, most: usize) 
         .filter_map(listed)
         .filter(|it| choice.kind.is_none_or(|kind| it.kind == kind))
         .filter(|it| choice.class.is_none_or(|class| it.class == class))
+        .filter(|it| choice.at.is_none_or(|address| it.is_at(address)))
         .collect();
     listed.sort_by_key(|it| std::cmp::Reverse(it.n_points));
     listed.truncate(most);
@@ -76,18 +101,16 @@ fn listed(row: &MatchRow) -> Option<ListedMistake<'_>> {
 
 /// The mistakes as lines of text with a head.
 pub fn worst_to_terminal(mistakes: &[ListedMistake<'_>]) -> String {
-    let scan = |it: &ListedMistake<'_>| format!("{} {} {}", it.row.dataset, it.row.sequence, it.row.scan);
     let width = |head: &str, of: &dyn Fn(&ListedMistake<'_>) -> usize| {
         mistakes.iter().map(of).max().unwrap_or(0).max(head.len())
     };
-    let scans = width("data set, drive, scan", &|it| scan(it).chars().count());
+    let addresses = width("data set/drive/scan/object", &|it| it.address().chars().count());
     let classes = width("class", &|it| it.class.chars().count());
     let mut text = format!(
-        "{:>4}  {:<scans$}  {:<7} {:<classes$}  {:>7}  {:>8}  {:>8}  {:>8}  reason\n",
-        "", "data set, drive, scan", "", "class", "points", "range m", "x m", "y m"
+        "{:>4}  {:<addresses$}  {:<classes$}  {:>7}  {:>8}  {:>8}  {:>8}  reason\n",
+        "", "data set/drive/scan/object", "class", "points", "range m", "x m", "y m"
     );
     for (rank, it) in (1..).zip(mistakes) {
-        let kind = it.kind.name();
         let position = it.position_m.map_or_else(
             || format!("{:>8}  {:>8}  {:>8}", "–", "–", "–"),
             |[x, y]| format!("{:>8.1}  {x:>8.1}  {y:>8.1}", x.hypot(y)),
@@ -95,8 +118,8 @@ pub fn worst_to_terminal(mistakes: &[ListedMistake<'_>]) -> String {
         // Writing to a string cannot fail.
         let _ = writeln!(
             text,
-            "{rank:>4}  {:<scans$}  {kind:<7} {:<classes$}  {:>7}  {position}  {}",
-            scan(it),
+            "{rank:>4}  {:<addresses$}  {:<classes$}  {:>7}  {position}  {}",
+            it.address(),
             it.class,
             it.n_points,
             it.reason
@@ -135,7 +158,7 @@ mod tests {
     }
 
     const ANY: MistakeChoice<'_> =
-        MistakeChoice { detector: "grid", task: Task::Vehicles, kind: None, class: None };
+        MistakeChoice { detector: "grid", task: Task::Vehicles, kind: None, class: None, at: None };
 
     #[test]
     fn what_was_seen_best_comes_first() {
@@ -159,15 +182,18 @@ mod tests {
         assert_eq!(points(MistakeChoice { kind: Some(MistakeKind::Missed), ..ANY }), [500, 30]);
         assert_eq!(points(MistakeChoice { class: Some("car"), ..ANY }), [30]);
         assert_eq!(points(MistakeChoice { task: Task::Objects, ..ANY }), [0; 0]);
+        assert_eq!(points(MistakeChoice { at: Some("street/drive/000003"), ..ANY }), [500, 90, 30]);
+        assert_eq!(points(MistakeChoice { at: Some("street/drive/000003/false-0"), ..ANY }), [90]);
+        assert_eq!(points(MistakeChoice { at: Some("street/drive/00000"), ..ANY }), [0; 0]);
     }
 
     #[test]
     fn a_line_says_where_what_and_why() {
         let rows = [missed(AnnotationClass::Car, 30), false_one(90)].map(|it| row("grid", it));
         insta::assert_snapshot!(worst_to_terminal(&worst(&rows, &ANY, 10)), @r"
-              data set, drive, scan          class     points   range m       x m       y m  reason
-           1  street drive 3         false   vehicle       90       5.0       3.0       4.0  wrong class
-           2  street drive 3         missed  car           30      10.0       6.0      -8.0  nothing there
+              data set/drive/scan/object    class     points   range m       x m       y m  reason
+           1  street/drive/000003/false-0   vehicle       90       5.0       3.0       4.0  wrong class
+           2  street/drive/000003/missed-0  car           30      10.0       6.0      -8.0  nothing there
         ");
     }
 }

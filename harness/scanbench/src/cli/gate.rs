@@ -39,14 +39,14 @@ pub struct GateArgs {
         help_heading = JUDGING
     )]
     pub allow_drift: Option<bool>,
-    /// Fail, too, if the run is worse than this run of the history: the beginning of its time or commit
+    /// Fail, too, if worse than this run of the history: the beginning of its time or commit
     #[arg(long, value_name = "RUN", requires = "history", help_heading = JUDGING)]
     pub since: Option<String>,
-    /// Add the numbers of the run to this history: a file of lines, which `scanbench history` shows
+    /// Add the numbers of the run to this file, which `scanbench history` shows
     #[arg(long, value_name = "FILE", help_heading = OUTPUT)]
     pub history: Option<PathBuf>,
     /// Address of the page of the run, for the history
-    #[arg(long, value_name = "URL", requires = "history", help_heading = OUTPUT)]
+    #[arg(long, value_name = "URL", requires = "history", help_heading = OUTPUT, hide_short_help = true)]
     pub link: Option<String>,
     /// Print every number that is worse, better or changed, and every object that changed
     #[arg(long, help_heading = OUTPUT)]
@@ -125,11 +125,11 @@ pub struct AcceptArgs {
     /// Accept a run that has numbers worse than tolerated, also inconclusive ones
     #[arg(long, help_heading = JUDGING)]
     pub worse: bool,
-    /// Add the numbers of the run to this history: a file of lines, which `scanbench history` shows
+    /// Add the numbers of the run to this file, which `scanbench history` shows
     #[arg(long, value_name = "FILE", help_heading = OUTPUT)]
     pub history: Option<PathBuf>,
     /// Address of the page of the run, for the history
-    #[arg(long, value_name = "URL", requires = "history", help_heading = OUTPUT)]
+    #[arg(long, value_name = "URL", requires = "history", help_heading = OUTPUT, hide_short_help = true)]
     pub link: Option<String>,
     /// Accept a run that cannot be compared with the last one, because scans or rules of judging changed
     #[arg(long, help_heading = JUDGING)]

@@ -4,7 +4,6 @@ use std::path::PathBuf;
 
 use clap::builder::Resettable;
 use clap::{Args, ValueEnum};
-use reports::vocabulary::task::Task;
 
 use super::help_text::{DATA, MISTAKES};
 use super::stream::StreamArgs;
@@ -25,9 +24,12 @@ pub struct ViewArgs {
     /// Detector to list mistakes of [default: the first of the run]
     #[arg(short, long, value_name = "NAME")]
     pub detector: Option<String>,
-    /// Task to list mistakes of
-    #[arg(long, value_enum, value_name = "TASK", default_value = "vehicles")]
-    pub task: TaskName,
+    /// Task to list mistakes of: objects, vehicles, or a class that detectors give
+    #[arg(long, value_name = "TASK", default_value = "vehicles")]
+    pub task: String,
+    /// Only mistakes of this scan, or this one: as the list, the page and the gate name them
+    #[arg(long, value_name = "SCAN[/OBJECT]")]
+    pub at: Option<String>,
     /// Kind of mistake [default: both]
     #[arg(long, value_enum, value_name = "OUTCOME")]
     pub outcome: Option<OutcomeName>,
@@ -37,25 +39,6 @@ pub struct ViewArgs {
     /// What is streamed to Rerun.
     #[command(flatten)]
     pub stream: StreamArgs,
-}
-
-/// Tasks by name.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
-pub enum TaskName {
-    /// Find anything that stands on the street
-    Objects,
-    /// Find vehicles
-    Vehicles,
-}
-
-impl TaskName {
-    /// The task.
-    pub fn task(self) -> Task {
-        match self {
-            Self::Objects => Task::Objects,
-            Self::Vehicles => Task::Vehicles,
-        }
-    }
 }
 
 /// Mistakes by name.
@@ -71,6 +54,7 @@ const VIEW_EXAMPLES: &str = "\
 Examples:
   scanbench view runs/latest
   scanbench view runs/latest --worst 30 --outcome missed --class van
+  scanbench view runs/latest --at street-narrow/narrow-803597/000003
   scanbench view runs/latest -d pca --task objects --save-rrd=pca.rrd
 
 Lists the mistakes with the most points first, each with its reason. Then runs their

@@ -8,6 +8,7 @@ use reports::run_folder::command_line::shell_word;
 use reports::run_folder::run_target::MANIFEST_JSON;
 use reports::vocabulary::class::{AnnotationClass, DetectionClass};
 use reports::vocabulary::reason::MistakeKind;
+use reports::vocabulary::task::Task;
 use reports::worst::mistakes::{MistakeChoice, worst, worst_to_terminal};
 
 use crate::cli::{OutcomeName, ViewArgs};
@@ -47,9 +48,16 @@ pub fn view(arguments: &ViewArgs) -> Result<(), Failure> {
         ))
         .into());
     }
+    let tasks: BTreeSet<Task> = run.scans.iter().map(|it| it.task).collect();
+    let Some(&task) = tasks.iter().find(|it| it.name() == arguments.task) else {
+        let known: Vec<&str> = tasks.iter().map(|it| it.name()).collect();
+        let problem = format!("the run has no task {:?}; its tasks are {}", arguments.task, known.join(", "));
+        return Err(Usage(problem).into());
+    };
     let choice = MistakeChoice {
         detector,
-        task: arguments.task.task(),
+        task,
+        at: arguments.at.as_deref(),
         kind: arguments.outcome.map(|it| match it {
             OutcomeName::Missed => MistakeKind::Missed,
             OutcomeName::False => MistakeKind::False,
@@ -58,10 +66,11 @@ pub fn view(arguments: &ViewArgs) -> Result<(), Failure> {
     };
     let mistakes = worst(&run.matches, &choice, arguments.worst as usize);
     if mistakes.is_empty() {
-        return Err(NothingEvaluated { reason: "the run has no mistakes of this kind".to_owned() }.into());
+        let at = arguments.at.as_ref().map(|it| format!(" at {it}")).unwrap_or_default();
+        return Err(NothingEvaluated { reason: format!("the run has no mistakes of this kind{at}") }.into());
     }
     print_text(&worst_to_terminal(&mistakes))?;
-    record(arguments, &run.manifest, &mistakes)
+    record(arguments, &run.manifest, task, &mistakes)
 }
 
 /// Whether it is the name of a class, or a word of detectors that give none.

@@ -15,6 +15,7 @@ use evaluation::run::sink::{JudgedScan, WatchedDataset};
 use reports::run_folder::command_line::shell_word;
 use reports::run_folder::manifest::Manifest;
 use reports::vocabulary::reason::MistakeKind;
+use reports::vocabulary::task::Task;
 use reports::worst::mistakes::ListedMistake;
 
 use crate::cli::{RunArgs, ViewArgs};
@@ -35,6 +36,7 @@ use crate::verbs::{Cli, Command};
 pub fn record(
     arguments: &ViewArgs,
     manifest: &Manifest,
+    task: Task,
     mistakes: &[ListedMistake<'_>],
 ) -> Result<(), Failure> {
     if !is_wanted(&arguments.stream)? {
@@ -52,7 +54,8 @@ pub fn record(
         default_file: file,
         appears: Appearance::Whole,
         name: &name,
-        shown_task: arguments.task.task(),
+        // A class is one of the objects.
+        shown_task: if task.class().is_some() { Task::Objects } else { task },
         detectors: &names,
         n_scans: scans.len(),
         has_poses: again.datasets.iter().any(OpenedDataset::has_poses),

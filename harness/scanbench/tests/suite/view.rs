@@ -17,8 +17,8 @@ fn the_worst_come_first_and_can_be_chosen() {
         let ended = workplace.succeed(&("view run --task objects --no-rrd", options));
         let lines = ended.stdout.lines().skip(1).map(|line| {
             let words: Vec<&str> = line.split_whitespace().collect();
-            // Rank, data set, drive, scan, outcome, class, points.
-            (words[4].to_owned(), words[6].parse().expect("a number of points"))
+            // Rank, address, class, points.
+            (words[1].to_owned(), words[3].parse().expect("a number of points"))
         });
         lines.collect()
     };
@@ -26,7 +26,12 @@ fn the_worst_come_first_and_can_be_chosen() {
     assert_eq!(all.len(), 10);
     assert!(all.windows(2).all(|pair| pair[0].1 >= pair[1].1), "{all:?}");
     assert_eq!(listed(&["--worst", "3"]), all[..3]);
-    assert!(listed(&["--outcome", "missed"]).iter().all(|it| it.0 == "missed"));
+    assert!(listed(&["--outcome", "missed"]).iter().all(|it| it.0.contains("/missed-")));
+    // An address finds its object again, and that of a scan all of its mistakes.
+    assert_eq!(listed(&["--at", &all[0].0]), all[..1]);
+    let scan = all[0].0.rsplit_once('/').expect("an address").0;
+    let of_scan = listed(&["--at", scan, "--worst", "100"]);
+    assert!(of_scan.contains(&all[0]) && of_scan.iter().all(|it| it.0.starts_with(scan)), "{of_scan:?}");
     assert_ne!(listed(&["-d", "pca"]), all);
 }
 
@@ -55,6 +60,8 @@ fn what_cannot_be_viewed_is_said() {
         (&["report", "."], 2, ". is not the directory of a run: it has no manifest.json"),
         (&["view", "run", "--class", "boat"], 2, "the run has no class \"boat\""),
         (&["view", "run", "--class", "tram"], 4, "the run has no mistakes of this kind"),
+        (&["view", "run", "--at", "street-narrow/a/000099"], 4, "of this kind at street-narrow/a/000099"),
+        (&["view", "run", "--task", "car"], 2, "the run has no task \"car\"; its tasks are objects, vehicles"),
     ] {
         workplace.end_with(arguments, code, &[message]);
     }

@@ -1,19 +1,22 @@
 //! A verdict on one screen: the conclusion, what was judged, and the largest changes.
 
 use crate::files::fixed_decimals::fixed_decimals;
+use crate::run_folder::command_line::shell_word;
 use crate::tables::sheet::{Sheet, Tabular};
 use crate::tables::verdict::summary::{about_judging, headline};
 use crate::tables::verdict::wording::{
     change_in_words, difference_text, interval_text, tolerance_text, value_text,
 };
 use crate::verdicts::change::{ChangeKind, n_of_kinds};
-use crate::verdicts::drift::ScanDrift;
+use crate::verdicts::drift::{ScanDrift, ScanSubject};
 use crate::verdicts::finding::Finding;
 use crate::verdicts::gated_metrics::{GatedMetric, about};
 use crate::verdicts::paired_difference::PairedDifference;
 use crate::verdicts::verdict::Verdict;
 use crate::vocabulary::metric::SPEED_REFERENCE;
 use crate::vocabulary::slice::Slice;
+use crate::vocabulary::study::Study;
+use crate::worst::mistakes::scan_address;
 
 /// Losses that are named.
 const MOST_LOSSES: usize = 5;
@@ -90,7 +93,14 @@ impl Brief<'_> {
             (0, n) => ("Most results changed", counted(n, "object")),
             (n_lost, _) => ("Most objects lost", n_lost.to_string()),
         };
-        Some(format!("{what} on {}: {n}.", most.subject.in_words()))
+        let ScanSubject { dataset, sequence, scan, task, detector } = &most.subject;
+        let words = format!("{what} on {}: {n}.", most.subject.in_words());
+        if task == Study::Partial.name() {
+            return Some(words);
+        }
+        let at = shell_word(&scan_address(dataset, sequence, *scan));
+        let [run, detector] = [self.sides[0], detector].map(shell_word);
+        Some(format!("{words} See it: scanbench view {run} --at {at} -d {detector} --task {task}"))
     }
 }
 
