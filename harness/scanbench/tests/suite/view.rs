@@ -61,7 +61,11 @@ fn what_cannot_be_viewed_is_said() {
         (&["view", "run", "--class", "boat"], 2, "the run has no class \"boat\""),
         (&["view", "run", "--class", "tram"], 4, "the run has no mistakes of this kind"),
         (&["view", "run", "--at", "street-narrow/a/000099"], 4, "of this kind at street-narrow/a/000099"),
-        (&["view", "run", "--task", "car"], 2, "the run has no task \"car\"; its tasks are objects, vehicles"),
+        (
+            &["view", "run", "--task", "car"],
+            2,
+            "the run has no task \"car\"; its tasks are objects, vehicles",
+        ),
     ] {
         workplace.end_with(arguments, code, &[message]);
     }
