@@ -112,7 +112,8 @@ impl<'a> Trends<'a> {
         changes
     }
 
-    /// The runs at which some trend changed, each with the trends and their changes; the largest change of each run first.
+    /// The runs at which some trend changed, each with the trends and their changes: first those over several data sets, of
+    /// these the largest change.
     pub fn changed_runs(&self) -> Vec<(usize, Vec<(&Trend, &ChangePoint)>)> {
         let mut by_run: BTreeMap<usize, Vec<(&Trend, &ChangePoint)>> = BTreeMap::new();
         for trend in &self.trends {
@@ -121,8 +122,12 @@ impl<'a> Trends<'a> {
             }
         }
         let size = |change: &ChangePoint| ((change.means[1] - change.means[0]) / change.means[0]).abs();
-        for changes in by_run.values_mut() {
-            changes.sort_by(|(_, a), (_, b)| size(b).total_cmp(&size(a)));
+        for (run_idx, changes) in &mut by_run {
+            let datasets = &self.history.settings(self.runs[*run_idx].1).datasets;
+            let is_single = |trend: &Trend| datasets.iter().any(|it| it.id == trend.name.subject.dataset);
+            changes.sort_by(|(trend, change), (other_trend, other)| {
+                is_single(trend).cmp(&is_single(other_trend)).then(size(other).total_cmp(&size(change)))
+            });
         }
         by_run.into_iter().collect()
     }

@@ -47,7 +47,7 @@ fn each_of_three_slightly_worsened_parameters_is_caught_with_the_objects_that_ch
         let ended = workplace.run(&["gate", run_name, "-b", "golden", "-o", "verdict", "--full"]);
         assert!(matches!(ended.exit_code, Some(100 | 101)), "{parameter}: {ended:#?}");
         let changed: Vec<&str> =
-            ended.stdout.lines().filter(|it| it.starts_with("  narrow narrow-90")).collect();
+            ended.stdout.lines().filter(|it| it.starts_with("  narrow/narrow-90")).collect();
         assert!(
             changed.iter().any(|it| it.contains(" m")),
             "{parameter}: no object is named\n{}",

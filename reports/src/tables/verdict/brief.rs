@@ -80,7 +80,8 @@ impl Brief<'_> {
         [named(("losses", MOST_LOSSES), losses), named(("gains", MOST_GAINS), gains)].concat()
     }
 
-    /// The scan with the most objects lost or, where none was, with the most objects whose results changed.
+    /// The scan with the most objects lost and the command that shows them; where none was, the scan with the most objects whose
+    /// results changed.
     fn most_changed_scan(&self) -> Option<String> {
         let count = |it: &ScanDrift| {
             let counts = n_of_kinds(it.changes.iter());
@@ -89,18 +90,17 @@ impl Brief<'_> {
         };
         // The first among equals.
         let most = self.verdict.drift.iter().rev().max_by_key(|it| count(it))?;
-        let (what, n) = match count(most) {
-            (0, n) => ("Most results changed", counted(n, "object")),
-            (n_lost, _) => ("Most objects lost", n_lost.to_string()),
-        };
         let ScanSubject { dataset, sequence, scan, task, detector } = &most.subject;
-        let words = format!("{what} on {}: {n}.", most.subject.in_words());
-        if task == Study::Partial.name() {
-            return Some(words);
-        }
-        let at = shell_word(&scan_address(dataset, sequence, *scan));
-        let [run, detector] = [self.sides[0], detector].map(shell_word);
-        Some(format!("{words} See it: scanbench view {run} --at {at} -d {detector} --task {task}"))
+        let words = most.subject.in_words();
+        Some(match count(most) {
+            (0, n) => format!("Most results changed on {words}: {}.", counted(n, "object")),
+            (n_lost, _) if task == Study::Partial.name() => format!("Most objects lost on {words}: {n_lost}."),
+            (n_lost, _) => {
+                let at = scan_address(dataset, sequence, *scan);
+                let [run, at, detector] = [self.sides[0], &at, detector].map(shell_word);
+                format!("Most objects lost ({n_lost}): scanbench view {run} --at {at} -d {detector} --task {task}")
+            }
+        })
     }
 }
 

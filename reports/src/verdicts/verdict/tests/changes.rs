@@ -146,7 +146,7 @@ fn what_is_lost_comes_first_in_every_format() {
     check_holds(&markdown, &said);
     let listing: Vec<&str> = markdown.lines().skip_while(|it| *it != "- 60 objects lost").collect();
     assert!(
-        listing[1].starts_with("  - main_road 0000/000029, pca, objects: car 21, 2129 points"),
+        listing[1].starts_with("  - main_road/0000/000029, pca, objects: car 21, 2129 points"),
         "{markdown}"
     );
     assert_eq!(listing[21], "  - and 40 more; gate.json lists all");

@@ -32,7 +32,7 @@ fn a_verdict_in_brief_names_losses_and_gains_with_their_intervals() {
       1.00): worse
     - time, pca: 20.00 → 40.00 times grid-write, 100 % slower (95 % 100 to 100 %,
       tolerated 50 %): worse
-    Most results changed on main_road 0000/000000, pca, objects: 1 object.
+    Most results changed on main_road/0000/000000, pca, objects: 1 object.
     In full: scanbench gate runs/after --baseline runs/before --full
     ");
     assert_eq!((verdict.n_worse(), verdict.n_at_risk()), (4, 4));
