@@ -94,11 +94,15 @@ impl Brief<'_> {
         let words = most.subject.in_words();
         Some(match count(most) {
             (0, n) => format!("Most results changed on {words}: {}.", counted(n, "object")),
-            (n_lost, _) if task == Study::Partial.name() => format!("Most objects lost on {words}: {n_lost}."),
+            (n_lost, _) if task == Study::Partial.name() => {
+                format!("Most objects lost on {words}: {n_lost}.")
+            }
             (n_lost, _) => {
                 let at = scan_address(dataset, sequence, *scan);
                 let [run, at, detector] = [self.sides[0], &at, detector].map(shell_word);
-                format!("Most objects lost ({n_lost}): scanbench view {run} --at {at} -d {detector} --task {task}")
+                format!(
+                    "Most objects lost ({n_lost}): scanbench view {run} --at {at} -d {detector} --task {task}"
+                )
             }
         })
     }
