@@ -51,6 +51,14 @@ pub struct Trends<'a> {
     history: &'a History,
 }
 
+/// What the values of a line have in common.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+struct LineName<'a> {
+    group: usize,
+    name: &'a NumberName,
+    processor: Option<&'a str>,
+}
+
 /// The metrics that are looked at unless others are asked for.
 pub const USUAL_METRICS: [&str; 3] = ["f_rate", "recall", "time_over_reference"];
 
@@ -59,13 +67,13 @@ impl<'a> Trends<'a> {
     pub fn of(history: &'a History, metrics: &[Metric]) -> Self {
         let runs = history.runs();
         let groups = comparable_runs(history, &runs);
-        let mut values: BTreeMap<(usize, &NumberName, Option<&str>), Vec<(usize, Number)>> = BTreeMap::new();
-        for (group_idx, group) in groups.iter().enumerate() {
-            for &run_idx in &group.runs {
+        let mut lines: BTreeMap<LineName<'_>, Vec<(usize, Number)>> = BTreeMap::new();
+        for (group, of_group) in groups.iter().enumerate() {
+            for &run_idx in &of_group.runs {
                 let run = runs[run_idx].1;
                 for (name, number) in run.numbers.iter().filter(|(name, _)| metrics.contains(&name.metric)) {
                     let processor = name.metric.is_time().then_some(run.machine.cpu_model.as_str());
-                    values.entry((group_idx, name, processor)).or_default().push((run_idx, *number));
+                    lines.entry(LineName { group, name, processor }).or_default().push((run_idx, *number));
                 }
             }
         }
@@ -73,19 +81,15 @@ impl<'a> Trends<'a> {
             let of_rate = NumberName { metric: Metric::FRate, ..name.clone() };
             metrics.contains(&Metric::FRate) && runs.iter().any(|(_, run)| run.numbers.contains_key(&of_rate))
         };
-        let kept =
-            values.into_iter().filter(|((_, name, _), _)| name.metric != Metric::Recall || !has_f_rate(name));
-        let trend = |((group, name, processor), values): (
-            (usize, &NumberName, Option<&str>),
-            Vec<(usize, Number)>,
-        )| {
+        lines.retain(|line, _| line.name.metric != Metric::Recall || !has_f_rate(line.name));
+        let trends = lines.into_par_iter().map(|(line, values)| {
             let values: Vec<(usize, Number)> = values[values.len().saturating_sub(MOST_RUNS)..].to_vec();
             let numbers: Vec<f64> = values.iter().map(|(_, it)| it.value).collect();
+            let LineName { group, name, processor } = line;
             let (name, processor) = (name.clone(), processor.map(str::to_owned));
             Trend { name, group, processor, changes: change_points(&numbers), values }
-        };
-        let kept: Vec<_> = kept.collect();
-        let trends = kept.into_par_iter().map(trend).collect();
+        });
+        let trends = trends.collect();
         Self { runs, groups, trends, history }
     }
 

@@ -5,7 +5,7 @@ use maud::html;
 use super::document::Section;
 use super::markup::{sentences, table};
 use crate::facts::run_facts::RunFacts;
-use crate::tables::sheet::Tabular as _;
+use crate::tables::sheet::Tabular;
 
 /// The rates of each class, and which classes are taken for which; `None` if no detector gives classes.
 pub(super) fn classes(facts: &RunFacts) -> Option<Section> {
@@ -27,7 +27,7 @@ pub(super) fn classes(facts: &RunFacts) -> Option<Section> {
 /// The slices of the user; `None` if there are none.
 pub(super) fn slices(facts: &RunFacts) -> Option<Section> {
     let content = html! {
-        @for sheet in facts.slices.iter().map(|it| it.sheet()) {
+        @for sheet in facts.slices.iter().map(Tabular::sheet) {
             @for part in &sheet.parts {
                 @let title = part.title.as_deref().unwrap_or("Slices");
                 h3 { (title) }

@@ -1,5 +1,6 @@
 //! Slices of the user's own: a region, or bounds.
 
+use std::cmp::Ordering;
 use std::collections::BTreeSet;
 use std::fmt;
 use std::sync::{Mutex, PoisonError};
@@ -87,7 +88,7 @@ impl SliceBounds {
     /// What is wrong with them; `None` if nothing is.
     pub fn problem(&self) -> Option<String> {
         let bounds = self.bounds();
-        let wrong = bounds.iter().find(|(_, [least, end])| !(least < end));
+        let wrong = bounds.iter().find(|(_, [least, end])| least.partial_cmp(end) != Some(Ordering::Less));
         if let Some((name, [least, end])) = wrong {
             return Some(format!("{name} = [{least}, {end}] holds nothing: write the lower bound first"));
         }

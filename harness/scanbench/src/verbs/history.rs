@@ -22,7 +22,7 @@ pub struct HistoryArgs {
     /// Histories, and run directories
     #[arg(value_name = "FILE|RUN", required = true)]
     pub paths: Vec<PathBuf>,
-    /// Metrics to look at, as report.json names them [default: f_rate, recall where that is undefined, time_over_reference]
+    /// Metrics to look at, as report.json names them [default: `f_rate`, recall where that is undefined, `time_over_reference`]
     #[arg(long, value_name = "NAME,…", value_delimiter = ',', help_heading = JUDGING)]
     pub metric: Vec<String>,
     /// Directory for history.html, history.svg and history.jsonl
