@@ -13,7 +13,8 @@ fn run_of(workplace: &Workplace, day: u32, min_height_m: f64) -> String {
     }
     copy_folder(&workplace.path(&made), &workplace.path(&name));
     let manifest = workplace.read(&format!("{name}/manifest.json"));
-    let created = workplace.json(&format!("{name}/manifest.json"))["created"].as_str().unwrap().to_owned();
+    let created =
+        workplace.json(&format!("{name}/manifest.json"))["created"].as_str().expect("a time").to_owned();
     let manifest = manifest.replace(&created, &format!("2026-01-{day:02}T12:00:00Z"));
     workplace.write(&format!("{name}/manifest.json"), &manifest);
     name
