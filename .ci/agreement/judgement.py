@@ -17,7 +17,7 @@ MAX_RANGE_M = 80.0
 TASKS = ("objects", "vehicles")
 VEHICLES = ("car", "van", "truck", "bus")
 # Neither right nor wrong among vehicles.
-AMBIGUOUS = ("tram", "trailer", "misc")
+AMBIGUOUS = ("tram", "trailer", "construction-vehicle", "misc")
 
 # Objects are tall if they reach so far above the ground around them.
 TALL_M = 3.10

@@ -132,7 +132,7 @@ def check_streets(scanbench: str, folder: Path) -> None:
 def check_reading(scanbench: str, folder: Path) -> None:
     """A drawn scene: points and boxes in the frame of the sensor, of which ours has x forward and the devkit y."""
     random, root = np.random.default_rng(13), folder / "drawn"
-    classes = {"vehicle.car": "Car", "vehicle.bus.rigid": "Bus", "human.pedestrian.adult": "Pedestrian", "animal": "Misc"}
+    classes = {"vehicle.car": "Car", "vehicle.bus.rigid": "Bus", "human.pedestrian.adult": "Pedestrian", "animal": "Animal"}
     lidar = pose([0.94, 0.01, 1.84], Quaternion(0.7077, 0.0047, -0.009, -0.7064).unit)
     (root / "samples/LIDAR_TOP").mkdir(parents=True)
     samples, annotations = {}, []
