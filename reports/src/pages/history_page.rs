@@ -128,7 +128,8 @@ fn run_in_words(trends: &Trends<'_>, run_idx: usize) -> String {
 }
 
 fn change_in_words(trend: &Trend, change: &ChangePoint) -> String {
-    let (scale, unit) = if trend.name.metric.is_time() { (1.0, "") } else { (100.0, " %") };
+    let unit = trend.name.metric.unit();
+    let (scale, unit) = if unit == "ratio" { (100.0, "%") } else { (1.0, unit) };
     let shown = |value: f64| fixed_decimals(scale * value, if scale > 1.0 { 1 } else { 2 });
     let [before, after] = change.means.map(shown);
     let [low, high] = change.difference.map(shown);
@@ -136,7 +137,7 @@ fn change_in_words(trend: &Trend, change: &ChangePoint) -> String {
     let [from, to] = change.within.map(run);
     let position = if from == to { String::new() } else { format!(", at run {from} to {to}") };
     format!(
-        "{}: {before} → {after}{unit}, by {} to {}, p {}{position}",
+        "{}: {before} → {after} {unit}, by {} to {}, p {}{position}",
         trend.in_words(),
         signed(&low),
         signed(&high),

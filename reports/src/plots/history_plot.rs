@@ -31,8 +31,8 @@ pub fn history_figures(trends: &Trends<'_>) -> Vec<(String, String, String)> {
 }
 
 fn panel(dataset: &str, metric: &str, trends: &[&Trend], detectors: &DetectorMarks<'_>) -> CurvePanel {
-    let is_time = trends.iter().any(|it| it.name.metric.is_time());
-    let (scale, unit) = if is_time { (1.0, "times the reference") } else { (100.0, "%") };
+    let unit = trends.first().map_or("ratio", |it| it.name.metric.unit());
+    let (scale, unit) = if unit == "ratio" { (100.0, "%") } else { (1.0, unit) };
     let number = |run_idx: usize| (run_idx + 1) as f64;
     let series = trends.iter().map(|trend| {
         let detector = &trend.name.subject.detector;

@@ -25,7 +25,7 @@ pub struct HistoryArgs {
     /// Metrics to look at, as report.json names them [default: `f_rate`, recall where that is undefined, `time_over_reference`]
     #[arg(long, value_name = "NAME,…", value_delimiter = ',', help_heading = JUDGING)]
     pub metric: Vec<String>,
-    /// Directory for history.html, history.svg and history.jsonl
+    /// Directory for history.html, its figures and history.jsonl
     #[arg(short, long, value_name = "DIR", help_heading = OUTPUT)]
     pub output: Option<PathBuf>,
 }

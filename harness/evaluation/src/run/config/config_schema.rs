@@ -79,7 +79,6 @@ fn schema_of_class() -> Json {
         "properties": {
             "group": {"enum": ClassGroup::ALL},
             "names": words("Other names for it, in labels and of detectors"),
-            "hints": words("Words in unknown names that make it likely"),
             "may_be_tall": {"type": "boolean", "description": "Whether the task objects ignores one that is tall"},
             "may_be_vehicle": {"type": "boolean", "description": "Whether the task vehicles ignores it", "default": false},
             "written": {

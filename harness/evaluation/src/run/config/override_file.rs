@@ -85,6 +85,9 @@ impl OverrideFile<'_> {
             let traits: ClassTraits = value
                 .try_into()
                 .map_err(|error: toml::de::Error| at(&keys, format!(": {}", error.message())))?;
+            if !traits.hints.is_empty() {
+                return Err(at(&keys, ": a class of yours has no hints".to_owned()));
+            }
             let words = traits.names.clone();
             let class = AnnotationClass::define(&name, traits);
             let class = class.map_err(|problem| at(&keys, format!(": {problem}")))?;
