@@ -148,6 +148,11 @@ pub fn outcome_layer(detector: &str, task: Task, layer: OutcomeLayer) -> EntityP
     below(DETECTORS, &[detector, "outcomes", task.name(), layer.path_part()])
 }
 
+/// Dots above detections, by the class that their detector gives.
+pub fn given_classes(detector: &str, task: Task) -> EntityPath {
+    below(DETECTORS, &[detector, "outcomes", task.name(), "classes"])
+}
+
 /// The boxes of a layer of outcomes whose seen sides are known.
 pub fn partly_seen(boxes: &EntityPath) -> EntityPath {
     product_part(boxes, "partly_seen")

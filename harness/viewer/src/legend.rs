@@ -3,6 +3,7 @@
 use detector::stage_product::LinkFate;
 use detector::surface_class::SurfaceClass;
 use re_sdk_types::datatypes::{ClassDescription, Rgba32};
+use reports::vocabulary::class::AnnotationClass;
 
 use super::palette::{self, Rgb};
 
@@ -12,6 +13,8 @@ pub const ANNOTATION_ID: u16 = 8;
 const FIRST_LINK_ID: u16 = 24;
 /// Clusters take this id and the next ones, in turn.
 const FIRST_CLUSTER_ID: u16 = 32;
+/// Id of the first class of objects; the others of ours follow, and one for those of users.
+const FIRST_OBJECT_CLASS_ID: u16 = 64;
 
 /// Outcome of a box, as one layer of the drawing.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
@@ -90,6 +93,12 @@ pub fn cluster_id(cluster: u32) -> u16 {
     FIRST_CLUSTER_ID + (cluster as usize % palette::CYCLE.len()) as u16
 }
 
+/// The class id of a class that a detector gives, by its name; classes of users share one.
+pub fn object_class_id(name: &str) -> u16 {
+    let place = AnnotationClass::ALL.iter().position(|it| it.name() == name);
+    FIRST_OBJECT_CLASS_ID + place.unwrap_or(AnnotationClass::ALL.len()) as u16
+}
+
 /// Names and colours of all class ids.
 pub fn class_descriptions() -> Vec<ClassDescription> {
     let surfaces =
@@ -102,7 +111,11 @@ pub fn class_descriptions() -> Vec<ClassDescription> {
         (FIRST_CLUSTER_ID..).zip(palette::CYCLE).map(|(id, color)| described(id, "cluster", color));
     let links = LinkFate::ALL.map(|it| described(link_id(it), it.name(), palette::link_color(it)));
     let annotation = described(ANNOTATION_ID, "annotation", palette::ANNOTATION);
-    surfaces.into_iter().chain([annotation]).chain(outcomes).chain(links).chain(clusters).collect()
+    let objects = AnnotationClass::ALL
+        .map(|it| described(object_class_id(it.name()), it.name(), palette::object_class_color(Some(it))));
+    let own = described(object_class_id(""), "class of the user", palette::object_class_color(None));
+    let fixed = surfaces.into_iter().chain([annotation]).chain(outcomes).chain(links).chain(clusters);
+    fixed.chain(objects).chain([own]).collect()
 }
 
 /// A named dot of a drawn legend.

@@ -6,8 +6,9 @@ use detector::detection::SeenOfVehicle;
 use detector::{Detection, Detections, OrientedBox};
 use evaluation::matching::mistake::{Mistake, MistakeKind};
 use evaluation::matching::outcome::{AnnotationOutcome, Assignment, DetectionOutcome};
-use re_sdk_types::archetypes::TextLog;
+use re_sdk_types::archetypes::{Points3D, TextLog};
 use re_sdk_types::components::{Radius, TextLogLevel};
+use reports::verdicts::change::ChangeKind;
 use reports::vocabulary::task::Task;
 use rerun::{EntityPath, RecordingStream};
 use scans::annotation::LabeledScan;
@@ -26,7 +27,8 @@ struct LabeledBox {
     label: String,
 }
 
-/// Logs the boxes of `assignment` at the current time, one batch per outcome that occurs, and returns their entities.
+/// Logs the boxes of `assignment` at the current time, one batch per outcome that occurs, and a dot above each detection
+/// whose detector gives a class, in its colour; returns their entities.
 ///
 /// # Errors
 ///
@@ -70,7 +72,29 @@ pub fn log_outcomes(
             logged.insert(path);
         }
     }
+    let dots: Vec<([f32; 3], &str)> = detections.iter().filter_map(|it| class_dot(&it)).collect();
+    if !dots.is_empty() {
+        let path = entity_paths::given_classes(detector, assignment.task);
+        let drawn = Points3D::new(dots.iter().map(|(position_m, _)| *position_m))
+            .with_class_ids(dots.iter().map(|(_, class)| legend::object_class_id(class)))
+            .with_radii([Radius::new_ui_points(DOT_RADIUS_PX)])
+            .with_labels(dots.iter().map(|(_, class)| *class))
+            .with_show_labels(false);
+        recording::log(stream, path.clone(), &drawn)?;
+        logged.insert(path);
+    }
     Ok(logged)
+}
+
+/// Radius of the dot of a class.
+const DOT_RADIUS_PX: f32 = 3.5;
+
+/// The place above a detection whose detector gives a class, and the class.
+fn class_dot(detection: &Detection<'_>) -> Option<([f32; 3], &'static str)> {
+    let class = detection.given?.name();
+    let [x_m, y_m, z_m] = detection.bounding_box.center_m;
+    let [.., height_m] = detection.bounding_box.length_width_height_m;
+    Some(([x_m, y_m, z_m + height_m / 2.0 + 0.3], class))
 }
 
 fn check_lengths(
@@ -139,6 +163,27 @@ fn line_radius_px(layer: OutcomeLayer) -> f32 {
         // So thin that it does not fill the gaps between the dashes of the detection that found it.
         OutcomeLayer::Found => 0.35,
     }
+}
+
+/// Logs a line for each of the changes that the side `name` shows, at the current time.
+///
+/// # Errors
+///
+/// [`StreamError::Log`] if Rerun refuses.
+pub fn log_changes(
+    stream: &RecordingStream,
+    name: &str,
+    task: Task,
+    lines: &[(Option<ChangeKind>, String)],
+) -> Result<(), StreamError> {
+    for (kind, text) in lines {
+        let level = kind.map_or("SUSPECT".to_owned(), |it| it.name().to_uppercase());
+        let color = kind.map_or(palette::REDDISH_PURPLE, palette::change_color);
+        let line =
+            TextLog::new(text.as_str()).with_level(TextLogLevel::from(level)).with_color(legend::rgba(color));
+        recording::log(stream, entity_paths::mistakes(name, task), &line)?;
+    }
+    Ok(())
 }
 
 /// Logs a line for each of the `mistakes` of `detector` at the current time.

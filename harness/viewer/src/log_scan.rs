@@ -64,7 +64,11 @@ fn log_marks(stream: &RecordingStream, marks: &[Mark]) -> Result<(), StreamError
     let pointers = Arrows3D::from_vectors(marks.iter().map(|_| [0.0, 0.0, -MARK_LENGTH_M]))
         .with_origins(tops_m)
         .with_radii([Radius::new_ui_points(2.5)])
-        .with_colors([legend::rgba(palette::REDDISH_PURPLE)])
+        .with_colors(
+            marks
+                .iter()
+                .map(|it| legend::rgba(it.change.map_or(palette::REDDISH_PURPLE, palette::change_color))),
+        )
         .with_labels(marks.iter().map(|it| it.text.as_str()))
         .with_show_labels(true);
     recording::log(stream, entity_paths::MARKS, &pointers)

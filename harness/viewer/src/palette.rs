@@ -8,6 +8,8 @@ use reports::plots::palette::detector_hue;
 pub use reports::plots::palette::{
     BLUE, BLUISH_GREEN, ORANGE, REDDISH_PURPLE, Rgb, SKY_BLUE, VERMILION, YELLOW,
 };
+use reports::verdicts::change::ChangeKind;
+use reports::vocabulary::class::AnnotationClass;
 use reports::vocabulary::partial_class::PartialClass;
 
 /// A grey between the two ends.
@@ -85,6 +87,46 @@ pub fn partial_class_color(class: PartialClass) -> Rgb {
         PartialClass::Pedestrian => REDDISH_PURPLE,
         PartialClass::Other => YELLOW,
     }
+}
+
+/// The colour of a change: losses warm, gains cold.
+pub fn change_color(kind: ChangeKind) -> Rgb {
+    match kind {
+        ChangeKind::Lost => YELLOW,
+        ChangeKind::NewFalse => VERMILION,
+        ChangeKind::OtherClass => REDDISH_PURPLE,
+        ChangeKind::Found => BLUISH_GREEN,
+        ChangeKind::NoLongerFalse => SKY_BLUE,
+        ChangeKind::Counting | ChangeKind::Otherwise | ChangeKind::NotShown => GREY,
+    }
+}
+
+/// The colour of a class of objects, a hue for each group: the classes of a group differ in brightness. `None` is a class of
+/// the user.
+pub fn object_class_color(class: Option<AnnotationClass>) -> Rgb {
+    use AnnotationClass as Class;
+    let (hue, step) = match class {
+        Some(Class::Car) => (ORANGE, 0),
+        Some(Class::Van) => (ORANGE, 1),
+        Some(Class::Truck) => (VERMILION, 0),
+        Some(Class::Bus) => (VERMILION, 1),
+        Some(Class::Pedestrian) => (REDDISH_PURPLE, 0),
+        Some(Class::SittingPerson) => (REDDISH_PURPLE, 1),
+        Some(Class::Cyclist) => (SKY_BLUE, 0),
+        Some(Class::ParkedCycle) => (SKY_BLUE, 1),
+        Some(Class::Tram) => (BLUE, 0),
+        Some(Class::Trailer) => (BLUE, 1),
+        Some(Class::ConstructionVehicle) => (BLUE, 2),
+        Some(Class::Animal) => (REDDISH_PURPLE, 2),
+        Some(Class::Tree) => (BLUISH_GREEN, 0),
+        Some(Class::Hedge) => (BLUISH_GREEN, 1),
+        Some(Class::Pole) => (LIGHT_GREY, 0),
+        Some(Class::StreetFurniture) => (LIGHT_GREY, 1),
+        Some(Class::Fence) => (GREY, 0),
+        Some(Class::Misc | Class::Own(_)) | None => (YELLOW, 0),
+    };
+    // Towards white.
+    hue.map(|it| it + ((u16::from(255 - it) * 3 * step) / 10) as u8)
 }
 
 /// The colour of points that have just been seen, and of those that were seen before.

@@ -6,7 +6,9 @@ use evaluation::matching::mistake::Evidence;
 use evaluation::matching::outcome::Assignment;
 use evaluation::metrics::counts::FalseDetections;
 use evaluation::process::problem::DetectorFailure;
-use evaluation::run::scan_recorder::{RecordedScan, RecordingEnding, ScanRecorder, Served};
+use evaluation::run::scan_recorder::{
+    ChangedScan, RecordedScan, RecordingEnding, ScanRecorder, Served, SideOfScan,
+};
 use evaluation::run::side_by_side::DetectorScan;
 use reports::files::unfinished::{Kind, Unfinished};
 use reports::numbers::tally::Tally;
@@ -142,6 +144,25 @@ impl ScanRecorder for RunRecording {
             }
             _ => Ok(None),
         }
+    }
+
+    fn record_change(&mut self, changed: &ChangedScan<'_>) -> Result<(), RecordingError> {
+        let ChangedScan { scan, number, marks, lines, sides } = changed;
+        let (step, world_from_sensor) = (*number as i64, None);
+        self.stream.log_scan(&ScanView { scan, step, marks, world_from_sensor, drive_m: &[] })?;
+        for SideOfScan { name, output, assignment } in sides {
+            let tasks = [TaskView {
+                assignment,
+                false_detections: FalseDetections::Known,
+                mistakes: Vec::new(),
+                f_rate_so_far: None,
+            }];
+            let view = DetectorView { name, output, products: &[], tasks: &tasks, latency: None };
+            self.stream.log_detector(scan, &view)?;
+        }
+        // One list for both.
+        let [_, after] = sides;
+        Ok(self.stream.log_changes(after.name, after.assignment.task, lines)?)
     }
 
     fn finish(self) -> Result<RecordingEnding, RecordingError> {

@@ -41,6 +41,8 @@ pub enum FirstTab {
     /// Detectors side by side.
     #[default]
     Compare,
+    /// Two runs side by side: the only tab.
+    Changes,
     /// The first detector, stage by stage.
     Stages,
     /// The drive in a frame that rests, if poses are known.

@@ -33,7 +33,9 @@ fn under_ranked(
     rows: &BTreeMap<ScanName, ranked_classes::RankedScan>,
 ) -> Option<Box<dyn under_protocol::UnderProtocol>> {
     match protocol {
-        Protocol::Nuscenes => Some(Box::new(nuscenes::Nuscenes::new(scans, rows))),
+        Protocol::Nuscenes | Protocol::NuscenesAgnostic => {
+            Some(Box::new(nuscenes::Nuscenes::new(protocol, scans, rows)))
+        }
         Protocol::Argoverse2 => Some(Box::new(argoverse2::Argoverse2::new(scans, rows))),
         Protocol::KittiObject | Protocol::SemanticKitti | Protocol::Ground => None,
     }

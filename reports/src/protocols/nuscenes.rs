@@ -12,7 +12,7 @@ use super::ranked_classes::{RankedClass, RankedScan};
 use super::under_protocol::Ranking;
 use crate::rows::scan_name::ScanName;
 use crate::vocabulary::metric::Direction;
-use crate::vocabulary::protocol::{ERROR_DISTANCE, PAIR_DISTANCES_M, Protocol};
+use crate::vocabulary::protocol::{ERROR_DISTANCE, MOBILE, PAIR_DISTANCES_M, Protocol};
 
 /// Weight of mAP in NDS; an error has weight 1.
 const AP_WEIGHT: f64 = 5.0;
@@ -36,6 +36,7 @@ const SUMMED_UP: [usize; 6] = [0, 5, 6, 7, 8, 9];
 
 /// Boxes of one detector, class by class.
 pub(super) struct Nuscenes {
+    protocol: Protocol,
     classes: Vec<RankedClass>,
 }
 
@@ -50,8 +51,8 @@ struct ClassScores {
 
 impl Nuscenes {
     /// Takes the rows of `scans`, which ascend.
-    pub(super) fn new(scans: &[ScanName], rows: &BTreeMap<ScanName, RankedScan>) -> Self {
-        Self { classes: RankedClass::all(Protocol::Nuscenes, scans, rows) }
+    pub(super) fn new(protocol: Protocol, scans: &[ScanName], rows: &BTreeMap<ScanName, RankedScan>) -> Self {
+        Self { protocol, classes: RankedClass::all(protocol, scans, rows) }
     }
 
     fn values_of(&self, scores: &[ClassScores]) -> Vec<Option<f64>> {
@@ -75,12 +76,13 @@ impl Nuscenes {
     /// Whether each error is known: velocities and attributes only where an annotation has one.
     fn known_errors(class: &RankedClass, name: &str) -> [bool; N_ERRORS] {
         let [orientation, motion] = [name != "traffic_cone", !matches!(name, "traffic_cone" | "barrier")];
-        [true, true, orientation, motion && class.has_velocity, motion && class.has_attribute]
+        let attribute = motion && name != MOBILE && class.has_attribute;
+        [true, true, orientation, motion && class.has_velocity, attribute]
     }
 
     /// Classes with annotations in the scans, each with its index and its name.
     fn present(&self) -> impl Iterator<Item = (usize, &'static str, &RankedClass)> {
-        let named = Protocol::Nuscenes.ranked_classes().iter().zip(&self.classes).enumerate();
+        let named = self.protocol.ranked_classes().iter().zip(&self.classes).enumerate();
         named.filter(|(_, (_, class))| class.n() > 0).map(|(index, (name, class))| (index, *name, class))
     }
 
@@ -123,7 +125,7 @@ impl Ranking for Nuscenes {
     }
 
     fn of_draws<const N: usize>(&self, times: &[Times<N>]) -> [Vec<Option<f64>>; N] {
-        let named = self.classes.iter().zip(Protocol::Nuscenes.ranked_classes());
+        let named = self.classes.iter().zip(self.protocol.ranked_classes());
         let scores: Vec<[ClassScores; N]> =
             named.map(|(class, name)| ClassScores::of(class, name, times)).collect();
         std::array::from_fn(|draw| self.values_of(&scores.iter().map(|it| it[draw]).collect::<Vec<_>>()))
@@ -139,6 +141,8 @@ impl ClassScores {
         let is_left_out = match name {
             "traffic_cone" => [false, false, true, true, true],
             "barrier" => [false, false, false, true, true],
+            // What has no class has no attribute: its error is 1 in the mean of all.
+            MOBILE => [false, false, false, false, true],
             _ => [false; N_ERRORS],
         };
         std::array::from_fn(|draw| Self {
@@ -206,6 +210,18 @@ mod tests {
         check(&rows, "all", "ate_m", Some(9.5 / 10.0));
         check(&rows, "all", "aoe_rad", Some(8.3 / 9.0));
         check(&rows, "all", "aae", Some(1.0));
+    }
+
+    #[test]
+    fn without_classes_the_attribute_is_wrong_and_all_counts_as_one_class() {
+        let rows = right_false_right(Protocol::NuscenesAgnostic, MOBILE);
+        let average = number(&rows, &[1, 1], MOBILE, "ap").unwrap();
+        for (metric, error) in [("ate_m", 0.5), ("aoe_rad", 0.3), ("ave_m_per_s", 2.0), ("aae", 1.0)] {
+            check(&rows, "all", metric, Some(error));
+        }
+        check(&rows, "all", "ap", Some(average));
+        check(&rows, "all", "nds", Some((5.0 * average + 0.5 + 0.8 + 0.7) / 10.0));
+        check(&rows, MOBILE, "aae", None);
     }
 
     #[test]

@@ -40,6 +40,46 @@ pub fn command_of_whole_run(argv: &[String], output: &str) -> Vec<String> {
     words
 }
 
+/// The command of a run with the detectors `names`: `argv` made it with some of them, and `added` made the others. Results of
+/// other programs come after `--detections` in either command.
+pub fn joined_command(argv: &[String], names: &[&str], added: &[String]) -> Vec<String> {
+    let (mut words, mut results) = without_detectors(argv);
+    results.extend(without_detectors(added).1);
+    let has_results = |name: &&&str| results.iter().any(|it| it.split('=').next() == Some(name));
+    let listed: Vec<&str> = names.iter().filter(|it| !has_results(it)).copied().collect();
+    let mut options = Vec::new();
+    if !listed.is_empty() {
+        options.extend(["-d".to_owned(), listed.join(",")]);
+    }
+    options.extend(results.into_iter().flat_map(|it| ["--detections".to_owned(), it]));
+    // Behind `--` all words are data sets.
+    let place = words.iter().position(|it| it == "--").unwrap_or(words.len());
+    words.splice(place..place, options);
+    words
+}
+
+/// The words of a command without those that name detectors, and the values of `--detections`.
+fn without_detectors(argv: &[String]) -> (Vec<String>, Vec<String>) {
+    let (mut words, mut results) = (Vec::new(), Vec::new());
+    let mut arguments = argv.iter();
+    while let Some(argument) = arguments.next() {
+        match argument.as_str() {
+            "--" => {
+                words.push(argument.clone());
+                words.extend(arguments.by_ref().cloned());
+            }
+            "-d" | "--detectors" => drop(arguments.next()),
+            "--detections" => results.extend(arguments.next().cloned()),
+            it if it.starts_with("-d") || it.starts_with("--detectors=") => {}
+            it => match it.strip_prefix("--detections=") {
+                Some(value) => results.push(value.to_owned()),
+                None => words.push(argument.clone()),
+            },
+        }
+    }
+    (words, results)
+}
+
 /// Whether an argument says where a run is left.
 enum OutputOption {
     /// It does not.
@@ -74,6 +114,25 @@ pub fn shell_word(text: &str) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn the_command_of_a_run_gets_the_detectors_that_were_added() {
+        let words = |line: &str| line.split(' ').map(str::to_owned).collect::<Vec<_>>();
+        for (argv, added, names, expected) in [
+            ("s run x", "s run x -d b", "a,b", "s run x -d a,b"),
+            ("s run -d=a x -o r", "s run x -o q -db,c", "a,b,c", "s run x -o r -d a,b,c"),
+            ("s run --detectors a -- x", "s run -d b -- x", "a,b", "s run -d a,b -- x"),
+            (
+                "s run x -d a --detections net=n",
+                "s run x --detections=other=o",
+                "a,net,other",
+                "s run x -d a --detections net=n --detections other=o",
+            ),
+        ] {
+            let names: Vec<&str> = names.split(',').collect();
+            assert_eq!(joined_command(&words(argv), &names, &words(added)), words(expected), "{argv}");
+        }
+    }
 
     #[test]
     fn words_of_a_command_line_survive_a_shell() {

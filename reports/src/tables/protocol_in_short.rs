@@ -125,7 +125,7 @@ mod tests {
         let numbers: Vec<&str> = numbers
             .filter(|it| !it.ends_with('.') && it.contains('.') && it.parse::<f64>().is_ok())
             .collect();
-        assert_eq!(numbers.len(), 7, "{numbers:?}");
+        assert_eq!(numbers.len(), 11, "{numbers:?}");
         assert!(numbers.iter().all(|it| docs.contains(&format!("| {it} |"))), "{numbers:?}");
     }
 }

@@ -9,8 +9,9 @@ use crate::protocols::drawn_scans::DrawnScans;
 use crate::protocols::protocol_number::{ALL_CLASSES, ProtocolMetric};
 use crate::protocols::protocol_tally::ProtocolQuestion;
 use crate::run_folder::run_archive::RunArchive;
-use crate::uncertainty::sample::{Draw, Question};
+use crate::uncertainty::sample::{Draw, Question, Sample};
 use crate::verdicts::tolerances::{DriftRule, Origin, Rule, Tolerances, names_meant};
+use crate::vocabulary::formula::Term;
 use crate::vocabulary::metric::Metric;
 use crate::vocabulary::protocol::Protocol;
 use crate::vocabulary::slice::Slice;
@@ -165,7 +166,11 @@ impl Numbers<'_> {
         let pools = self.tally.pools();
         pools.iter().any(|pool| {
             let question = Question { dataset: pool.extent.name(), task, detector, slice };
-            self.tally.sample(&question, &self.draws).is_some_and(|it| it.value(metric).is_some())
+            // Rates say nothing where no annotation counts.
+            let says = |it: &Sample| !metric.is_ratio() || it.total.of(Term::Annotations) > 0.0;
+            self.tally
+                .sample(&question, &self.draws)
+                .is_some_and(|it| it.value(metric).is_some() && says(&it))
         })
     }
 

@@ -27,6 +27,10 @@ named! {
 }
 
 impl ChangeKind {
+    /// The kinds that a person looks at: an object is found, missed, false or of a class on one side only.
+    pub const SEEN: [Self; 5] =
+        [Self::Lost, Self::NewFalse, Self::OtherClass, Self::Found, Self::NoLongerFalse];
+
     /// The text of `n` changes of this kind, for people.
     pub fn counted(self, n: usize) -> String {
         let [one, many] = match self {
@@ -55,6 +59,8 @@ pub struct Change {
     pub text: String,
     /// Number of its points: among changes of one kind, that of the largest object is the worst.
     pub n_points: u64,
+    /// Where it is on the ground plan, in metres; `None` if that is not known, or it is about several objects.
+    pub position_m: Option<[f32; 2]>,
     /// Number of objects: one, or that of objects of which only the number is known.
     pub n_objects: usize,
 }
@@ -62,12 +68,17 @@ pub struct Change {
 impl Change {
     /// A change of one object of `n_points`.
     pub fn of_object(kind: ChangeKind, n_points: u64, text: String) -> Self {
-        Self { kind, text, n_points, n_objects: 1 }
+        Self { kind, text, n_points, position_m: None, n_objects: 1 }
+    }
+
+    /// This change of an object whose centre is known, in metres.
+    pub fn at(self, center_m: Option<[f32; 3]>) -> Self {
+        Self { position_m: center_m.map(|[x_m, y_m, _]| [x_m, y_m]), ..self }
     }
 
     /// A change of `n_objects`, or of other numbers of a scan, that is smaller than what is shown.
     pub fn not_shown(n_objects: usize, text: String) -> Self {
-        Self { kind: ChangeKind::NotShown, text, n_points: 0, n_objects }
+        Self { kind: ChangeKind::NotShown, text, n_points: 0, position_m: None, n_objects }
     }
 }
 

@@ -1,6 +1,7 @@
 //! Whether two runs may be compared at all.
 
 use std::collections::{BTreeMap, BTreeSet};
+use std::fmt::Display;
 
 use crate::rows::partial_row::PartialRow;
 use crate::rows::scan_row::{ScanOutcome, ScanRow};
@@ -10,6 +11,7 @@ use crate::run_folder::run_archive::RunArchive;
 use crate::verdicts::partial_differences::{CurveName, check_same_parts, rows_of_curves};
 use crate::vocabulary::own_slice::SliceBounds;
 use crate::vocabulary::task::Task;
+use crate::vocabulary::taxonomy::class_named;
 
 /// Two runs cannot be compared.
 #[derive(Debug, PartialEq, Eq, thiserror::Error)]
@@ -36,7 +38,49 @@ pub fn check_comparable(baseline: &RunArchive, run: &RunArchive) -> Result<(), N
     let mut reasons = differences_of_rules_and_data(&baseline.manifest, &run.manifest);
     if reasons.is_empty() {
         reasons.extend(scans(baseline, run));
+    }
+    if reasons.is_empty() {
+        reasons.extend(missing_detectors(baseline, run));
         reasons.extend(partial_clouds(baseline, run));
+    }
+    if reasons.is_empty() { Ok(()) } else { Err(NotComparable { reasons }) }
+}
+
+/// Checks that `added` judged other detectors exactly as `run` judged its own, so that both make one run: the same scans and
+/// rules, program, processor, repetitions and parameters.
+///
+/// # Errors
+///
+/// [`NotComparable`] with everything that differs.
+pub fn check_joinable(run: &RunArchive, added: &RunArchive) -> Result<(), NotComparable> {
+    let (before, now) = (&run.manifest, &added.manifest);
+    let mut reasons = differences_of_rules_and_data(before, now);
+    let mut compare = |what: &str, before: &dyn Display, now: &dyn Display| {
+        let [before, now] = [before, now].map(ToString::to_string);
+        if before != now {
+            reasons.push(format!("{what} changed from {before} to {now}"));
+        }
+    };
+    let program = |it: &Manifest| {
+        let commit = it.git.as_ref().map_or("no known commit", |it| it.commit.as_str());
+        format!("{} of {commit} by rustc {}", it.scanbench_version, it.rustc_version)
+    };
+    compare("the program", &program(before), &program(now));
+    compare("the processor", &before.machine.cpu_model, &now.machine.cpu_model);
+    compare("--repeats", &before.n_repeats, &now.n_repeats);
+    compare("--warmup", &before.n_warmup_detections, &now.n_warmup_detections);
+    let protocols = |it: &Manifest| it.protocols.iter().map(|it| it.name()).collect::<Vec<_>>().join(",");
+    compare("--protocol", &protocols(before), &protocols(now));
+    if let (Some(before), Some(now)) = (before.config.as_object(), now.config.as_object()) {
+        // Tables of detectors of the user are those of one side.
+        for (table, values) in before.iter().filter(|(table, _)| *table != "detector") {
+            if let Some(values_now) = now.get(table) {
+                compare(&format!("the parameters of {table}"), values, values_now);
+            }
+        }
+    }
+    if reasons.is_empty() {
+        reasons.extend(scans(run, added));
     }
     if reasons.is_empty() { Ok(()) } else { Err(NotComparable { reasons }) }
 }
@@ -98,8 +142,14 @@ fn difference(before: &DatasetEntry, now: &DatasetEntry) -> Option<String> {
     if before.annotated != now.annotated {
         return Some(format!("the annotated classes of {id} changed"));
     }
-    if before.classes != now.classes {
-        return Some(format!("the mapping of class names of {id} changed"));
+    // A word that one side does not know is in no label: it would have been refused.
+    let meant = |it: &DatasetEntry, word: &str| it.classes.get(word).copied().or_else(|| class_named(word));
+    for word in before.classes.keys().chain(now.classes.keys()) {
+        if let (Some(old), Some(new)) = (meant(before, word), meant(now, word))
+            && old != new
+        {
+            return Some(format!("the word {word:?} in the labels of {id} meant {old}, and now means {new}"));
+        }
     }
     if before.blocks != now.blocks {
         return Some(format!("the blocks of scans of {id} that intervals are drawn from changed"));
@@ -110,7 +160,7 @@ fn difference(before: &DatasetEntry, now: &DatasetEntry) -> Option<String> {
     None
 }
 
-/// Differences in the scans, and in the detectors that looked at them.
+/// Differences in the scans.
 fn scans(baseline: &RunArchive, run: &RunArchive) -> Vec<String> {
     let of_scans = |it: &RunArchive| {
         let rows = it.scans.iter();
@@ -138,10 +188,7 @@ fn scans(baseline: &RunArchive, run: &RunArchive) -> Vec<String> {
         let (dataset, sequence, scan) = name;
         return vec![format!("the time of scan {sequence}/{scan:06} of {dataset} changed")];
     }
-    if let Some(reason) = changed_scan(baseline, run) {
-        return vec![reason];
-    }
-    missing_detectors(baseline, run)
+    changed_scan(baseline, run).into_iter().collect()
 }
 
 /// Curves of `baseline` of which `run` lacks some parts of objects.
@@ -185,7 +232,9 @@ fn changed_scan(baseline: &RunArchive, run: &RunArchive) -> Option<String> {
 fn missing_detectors(baseline: &RunArchive, run: &RunArchive) -> Vec<String> {
     let evaluated = |it: &'_ RunArchive| {
         let mut scans: BTreeMap<(String, Task, String), BTreeSet<(String, u32)>> = BTreeMap::new();
-        for row in it.scans.iter().filter(|row| matches!(row.outcome, ScanOutcome::Evaluated(_))) {
+        // Who does not give a class has found nothing of it: see `classes_of_both`.
+        let of_all = it.scans.iter().filter(|row| row.task.class().is_none());
+        for row in of_all.filter(|row| matches!(row.outcome, ScanOutcome::Evaluated(_))) {
             let subject = (row.detector.clone(), row.task, row.dataset.clone());
             scans.entry(subject).or_default().insert((row.sequence.clone(), row.scan));
         }

@@ -193,7 +193,7 @@ fn annotation_changes(before: &ScanObjects<'_>, now: &ScanObjects<'_>) -> Vec<Ch
     let mut changes = Vec::new();
     let mut push = |annotation: &AnnotationFacts, kind, what: &str| {
         let text = format!("{}: {what}", name(annotation));
-        changes.push(Change::of_object(kind, annotation.n_points, text));
+        changes.push(Change::of_object(kind, annotation.n_points, text).at(annotation.center_m()));
     };
     for (id, (annotation, fate)) in &now.annotations {
         match before.annotations.get(id) {
@@ -311,7 +311,7 @@ fn unmatched_change(before: &Unmatched<'_>, now: &Unmatched<'_>) -> Option<Chang
         _ if old_name == name => (ChangeKind::NotShown, String::new()),
         _ => (ChangeKind::Otherwise, format!("{name}: still {what}{moved}")),
     };
-    Some(Change::of_object(kind, now.detection.n_points, text))
+    Some(Change::of_object(kind, now.detection.n_points, text).at(Some(now.detection.bounding_box.center_m)))
 }
 
 impl Unmatched<'_> {
@@ -323,7 +323,7 @@ impl Unmatched<'_> {
     fn change(&self, what: &str, kind: ChangeKind) -> Change {
         let kind = if self.reason.is_some() { kind } else { ChangeKind::Otherwise };
         let text = format!("{}: {what}{}", unmatched_name(self.detection), self.in_words());
-        Change::of_object(kind, self.detection.n_points, text)
+        Change::of_object(kind, self.detection.n_points, text).at(Some(self.detection.bounding_box.center_m))
     }
 }
 

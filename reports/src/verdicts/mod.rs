@@ -6,6 +6,7 @@ pub mod paired_difference;
 pub mod protocol_differences;
 pub mod partial_differences;
 pub mod comparability;
+pub mod classes_of_both;
 pub mod times_doubt;
 pub mod task_ranking;
 pub mod reason_gains;

@@ -132,6 +132,9 @@ impl AnnotationClass {
         if OURS.iter().any(|(_, it)| *it == name) {
             return Err(format!("{name:?} is a class already"));
         }
+        if traits.whole_group && traits.group.is_none() {
+            return Err("whole_group needs a group".to_owned());
+        }
         let own = OwnClass::kept(name);
         match own.definition() {
             Some(known) if *known != traits => Err(format!("{name:?} is a class already, another one")),
@@ -151,6 +154,19 @@ impl AnnotationClass {
             ours => shipped_classes().get(ours.name()),
         };
         known.unwrap_or(&UNKNOWN)
+    }
+
+    /// Whether something of the class `other` is one of it: the same class or, of a class that stands for its whole group, one
+    /// of that.
+    pub fn includes(self, other: Self) -> bool {
+        self == other || self.traits().whole_group && self.group().is_some() && self.group() == other.group()
+    }
+
+    /// The classes of the user that stand for their whole group.
+    pub fn of_whole_groups() -> Vec<Self> {
+        let classes = own_classes();
+        let all = classes.iter().filter(|(_, traits)| traits.is_some_and(|it| it.whole_group));
+        all.map(|(name, _)| Self::Own(OwnClass(name))).collect()
     }
 
     /// The group that it belongs to, if it does.
@@ -324,6 +340,17 @@ mod tests {
             );
             assert!(AnnotationClass::written(name).is_err(), "{name}");
         }
+    }
+
+    #[test]
+    fn a_class_may_stand_for_its_whole_group() {
+        let of_group = |group, whole_group| ClassTraits { group, whole_group, ..ClassTraits::default() };
+        let cycle = AnnotationClass::define("any-cycle", of_group(Some(ClassGroup::Cycle), true)).unwrap();
+        assert!(cycle.includes(cycle) && cycle.includes(AnnotationClass::Cyclist));
+        assert!(!cycle.includes(AnnotationClass::Car) && !AnnotationClass::Cyclist.includes(cycle));
+        assert!(AnnotationClass::of_whole_groups().contains(&cycle));
+        let refused = AnnotationClass::define("anything", of_group(None, true)).unwrap_err();
+        assert_eq!(refused, "whole_group needs a group");
     }
 
     #[test]

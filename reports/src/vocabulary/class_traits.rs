@@ -25,6 +25,8 @@ named! {
 pub struct ClassTraits {
     /// The group that it belongs to.
     pub group: Option<ClassGroup>,
+    /// Whether it stands for every class of its group: detectors that do not tell these apart give it.
+    pub whole_group: bool,
     /// What labels and detectors call it, in any spelling.
     pub names: Vec<String>,
     /// Words in unknown names that make it likely.

@@ -54,7 +54,9 @@ fn role(task: Task, class: AnnotationClass) -> Role {
         Task::Objects => Role::Target,
         Task::Vehicles if class.group() == Some(ClassGroup::Vehicle) => Role::Target,
         Task::Vehicles if class.traits().may_be_vehicle => Role::Ambiguous,
-        Task::Class(asked) if class == asked => Role::Target,
+        Task::Class(asked) if asked.includes(class) => Role::Target,
+        // It may be of the class that is asked for.
+        Task::Class(asked) if class.includes(asked) => Role::Ambiguous,
         Task::Class(_) if class == AnnotationClass::Misc => Role::Ambiguous,
         Task::Vehicles | Task::Class(_) => Role::Background,
     }
@@ -75,7 +77,10 @@ pub fn asks_for(task: Task, detection: &Detection<'_>) -> bool {
     match task {
         Task::Objects => true,
         Task::Vehicles => detection.class == DetectedClass::Vehicle,
-        Task::Class(class) => detection.given.is_some_and(|it| it.name() == class.name()),
+        Task::Class(class) => {
+            let given = detection.given.and_then(|it| AnnotationClass::met(it.name()));
+            given.is_some_and(|it| class.includes(it))
+        }
     }
 }
 
@@ -149,6 +154,18 @@ pub fn n_points_in(scan: &LabeledScan, annotation: &Annotation, region: PointReg
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_class_of_a_whole_group_asks_for_all_of_them_and_is_no_mistake_in_theirs() {
+        use reports::vocabulary::class_traits::ClassTraits;
+        let traits =
+            ClassTraits { group: Some(ClassGroup::Cycle), whole_group: true, ..ClassTraits::default() };
+        let cycle = AnnotationClass::define("some-cycle", traits).unwrap();
+        assert_eq!(role(Task::Class(cycle), AnnotationClass::ParkedCycle), Role::Target);
+        assert_eq!(role(Task::Class(cycle), AnnotationClass::Pedestrian), Role::Background);
+        assert_eq!(role(Task::Class(AnnotationClass::Cyclist), cycle), Role::Ambiguous);
+        assert_eq!(role(Task::Vehicles, cycle), Role::Background);
+    }
 
     #[test]
     fn vehicles_people_and_cycles_are_never_tall() {

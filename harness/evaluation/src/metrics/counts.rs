@@ -1,5 +1,6 @@
 //! Counts of found and missed annotations and of false detections, and their ratios.
 
+use reports::vocabulary::criterion::CriterionKind;
 use reports::vocabulary::task::Task;
 use scans::dataset::AnnotatedClasses;
 
@@ -7,6 +8,16 @@ use crate::matching::outcome::{AnnotationOutcome, Assignment, DetectionOutcome};
 
 /// Increased whenever the same detections would score differently.
 pub const SCORING_VERSION: u32 = 2;
+
+/// The same of a run that judges any task by boxes: since version 3 a detection that would match an ignored annotation is
+/// ignored, whatever other points its box holds.
+const SCORING_VERSION_OF_BOXES: u32 = 3;
+
+/// The version of the rules that judge by these `criteria`.
+pub fn scoring_version(criteria: impl IntoIterator<Item = CriterionKind>) -> u32 {
+    let is_by_boxes = criteria.into_iter().any(|it| it != CriterionKind::Points);
+    if is_by_boxes { SCORING_VERSION_OF_BOXES } else { SCORING_VERSION }
+}
 
 /// Counts of one task over any number of scans. Sums first, ratios last: a ratio of sums, never a mean of ratios.
 ///

@@ -89,6 +89,21 @@ impl AnswerWriter {
         Ok(&self.message)
     }
 
+    /// The answer to scan `number` with boxes alone, each with the word for its class.
+    ///
+    /// # Errors
+    ///
+    /// If it cannot be written as JSON.
+    pub fn write_boxes(&mut self, number: u64, boxes: &[(OrientedBox, String)]) -> io::Result<&[u8]> {
+        let classes = boxes.iter().map(|(_, word)| Some(word.clone())).collect();
+        let line =
+            ResultLine { number, n_boxes: boxes.len(), classes: Some(classes), ..ResultLine::default() };
+        let numbers: Vec<f32> = boxes.iter().flat_map(|(it, _)| numbers_of(it)).collect();
+        self.begin(line, 4 * numbers.len())?;
+        self.message.extend(numbers.iter().flat_map(|it| it.to_le_bytes()));
+        Ok(&self.message)
+    }
+
     fn begin(&mut self, line: ResultLine, n_payload_bytes: usize) -> io::Result<()> {
         self.message.clear();
         self.message.extend_from_slice(&line_of(&Answer::Result(line), n_payload_bytes)?);

@@ -3,7 +3,7 @@
 use detector::DetectorOutput;
 use reports::rows::label_score_row::{LabelScore, LabelScoreRow};
 use reports::rows::official_rows::OfficialRows;
-use reports::rows::ranked_box_row::{BoxState, RankedBoxRow};
+use reports::rows::ranked_box_row::{BoxKind, BoxState, RankedBoxRow};
 use reports::rows::scan_name::ScanName;
 use reports::vocabulary::protocol::Protocol;
 use scans::annotation::LabeledScan;
@@ -205,9 +205,15 @@ pub fn have_ground(rows: &OfficialRows) -> bool {
     rows.labels.iter().any(|it| it.score.protocol() == Protocol::Ground)
 }
 
-/// Number of `rows` beyond the most detections that `protocol` evaluates.
-pub fn n_beyond_number(rows: &OfficialRows, protocol: Protocol) -> usize {
-    let is_beyond =
-        |it: &&RankedBoxRow| it.protocol == protocol && it.ranked_box.state == BoxState::BeyondNumber;
-    rows.boxes.iter().filter(is_beyond).count()
+/// Number of labels that `protocol` does not take as annotations or as detections: `rows` are of labels fed back. It takes
+/// so many detections in a scan at most, or has another range for a class of labels than for detections.
+pub fn n_taken_once(rows: &OfficialRows, protocol: Protocol) -> usize {
+    let counted = |is_annotation: bool| {
+        let counts = move |it: &&RankedBoxRow| {
+            let is_it = (it.ranked_box.kind == BoxKind::Annotation) == is_annotation;
+            is_it && it.protocol == protocol && it.ranked_box.state == BoxState::Counts
+        };
+        rows.boxes.iter().filter(counts).count()
+    };
+    counted(true).abs_diff(counted(false))
 }

@@ -14,6 +14,9 @@ use scans::dataset::upright_box::{pose_of_box, upright_box};
 use scans::dataset::{Dataset, DatasetError};
 use scans::foreign::foreign_class::ForeignClass;
 
+/// Name of what a detector takes for an object without a class: only protocols without classes know it.
+pub(super) const DETECTED_OBJECT: &str = "object";
+
 /// A scan, and the labels of the makers of its data set.
 pub struct OfficialScanView<'a> {
     /// The scan.
@@ -77,14 +80,14 @@ impl<'a> OfficialScanView<'a> {
         }
         let file_from_sensor = self.official.as_ref().map_or_else(Isometry3::identity, |(_, it)| *it);
         let all = output.detections.iter().chain(output.unlikely_vehicles.iter());
-        let found = all.filter_map(|it| {
+        let found = all.map(|it| {
             let name = match (it.given, it.class) {
                 (Some(given), _) => given.word(),
                 (None, DetectedClass::Vehicle) => AnnotationClass::Car.name(),
-                (None, DetectedClass::Object) => return None,
+                (None, DetectedClass::Object) => DETECTED_OBJECT,
             };
             let object = in_frame(name, &it.bounding_box, &file_from_sensor);
-            Some(with_score(object, it.box_score().map(f64::from)))
+            with_score(object, it.box_score().map(f64::from))
         });
         found.collect()
     }

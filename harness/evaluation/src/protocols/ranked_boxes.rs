@@ -93,7 +93,7 @@ fn candidates<Rules: RankedRules>(objects: Vec<OfficialObject>, labels: &[Offici
 
 /// The evaluated class of objects that files call `name`: by the makers of the protocol or, for a name of another data set,
 /// by our class for it.
-fn class_evaluated<Rules: RankedRules>(name: &str) -> Option<&'static str> {
+pub(super) fn class_evaluated<Rules: RankedRules>(name: &str) -> Option<&'static str> {
     let of_others = || Rules::class_of(common_name(name)?);
     Rules::class_of(name).or_else(|| if Rules::is_own_name(name) { None } else { of_others() })
 }

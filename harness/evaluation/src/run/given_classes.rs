@@ -53,8 +53,12 @@ impl GivesClasses {
         }
         let given = detections.iter().filter_map(|it| AnnotationClass::written(it.given?.name()).ok());
         let annotated = scan.annotations.iter().map(|it| it.class);
-        let classes: BTreeSet<AnnotationClass> =
+        let mut classes: BTreeSet<AnnotationClass> =
             annotated.chain(given).filter(|it| *it != AnnotationClass::Misc).collect();
+        let of_groups = AnnotationClass::of_whole_groups();
+        let asked = of_groups.into_iter().filter(|it| classes.iter().any(|class| it.includes(*class)));
+        let asked: Vec<AnnotationClass> = asked.collect();
+        classes.extend(asked);
         tasks.extend(classes.into_iter().map(Task::Class));
         tasks
     }

@@ -2,7 +2,12 @@
 
 use std::fmt;
 
+use detector::DetectorOutput;
+use reports::verdicts::change::ChangeKind;
+use scans::annotation::LabeledScan;
+
 use super::sink::JudgedScan;
+use crate::matching::outcome::Assignment;
 
 /// A scan that is recorded.
 pub struct RecordedScan<'a> {
@@ -19,6 +24,32 @@ pub struct Mark {
     pub position_m: [f32; 2],
     /// Label of the mark.
     pub text: String,
+    /// The kind of change that it points at, if it is one.
+    pub change: Option<ChangeKind>,
+}
+
+/// A scan with the results of two runs, as their rows say: nothing is detected or matched again.
+pub struct ChangedScan<'a> {
+    /// The scan.
+    pub scan: &'a LabeledScan,
+    /// Its number in the recording.
+    pub number: usize,
+    /// Marked changes.
+    pub marks: &'a [Mark],
+    /// All that is pointed at, in words, with the kind of change if it is one.
+    pub lines: &'a [(Option<ChangeKind>, String)],
+    /// Before, and after.
+    pub sides: [SideOfScan; 2],
+}
+
+/// The results of one run in a scan.
+pub struct SideOfScan {
+    /// Name of the run.
+    pub name: &'static str,
+    /// Its detections, without points.
+    pub output: DetectorOutput,
+    /// Their outcomes.
+    pub assignment: Assignment,
 }
 
 /// Records scans while a run goes on.
@@ -32,6 +63,13 @@ pub trait ScanRecorder {
     ///
     /// If the recording cannot be written.
     fn record(&mut self, recorded: &RecordedScan<'_>) -> Result<Option<String>, Self::Error>;
+
+    /// Records one scan of two runs.
+    ///
+    /// # Errors
+    ///
+    /// If the recording cannot be written.
+    fn record_change(&mut self, changed: &ChangedScan<'_>) -> Result<(), Self::Error>;
 
     /// Completes the recording.
     ///

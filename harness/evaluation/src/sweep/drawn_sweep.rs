@@ -20,7 +20,6 @@ use reports::vocabulary::origin::Origin;
 use reports::vocabulary::slice::Slice;
 use reports::vocabulary::task::Task;
 
-use crate::metrics::counts::SCORING_VERSION;
 use crate::sweep::scan_at_point::TimedScan;
 use crate::sweep::sweep_tally::{AtPoint, CellSums, SweepTally};
 
@@ -173,8 +172,8 @@ impl DrawnSweep<'_> {
     /// # Errors
     ///
     /// [`RunReportError`] if a number is there twice.
-    pub fn report(&self) -> Result<RunReport, RunReportError> {
-        self.tally.counts.report(SCORING_VERSION, &self.draws)
+    pub fn report(&self, scoring_version: u32) -> Result<RunReport, RunReportError> {
+        self.tally.counts.report(scoring_version, &self.draws)
     }
 
     /// The 95 % interval of a difference of rates: that of the first of two scores of one detector, task and extent minus

@@ -16,15 +16,14 @@ pub struct CompareArgs {
     /// Directory of another run over the same scans
     #[arg(value_name = "RUN", required_unless_present = "detectors")]
     pub other: Option<PathBuf>,
-    /// Compare two detectors of one run instead
+    /// Two detectors of one run; of two runs those to compare
     #[arg(
         short,
         long,
-        value_name = "NAME,NAME",
+        value_name = "NAMES",
         value_delimiter = ',',
         num_args = 1,
-        help_heading = DETECTORS,
-        conflicts_with = "other"
+        help_heading = DETECTORS
     )]
     pub detectors: Option<Vec<String>>,
     /// Compare slices, too: by class, range, number of points and occlusion
@@ -44,6 +43,7 @@ pub struct CompareArgs {
 const COMPARE_EXAMPLES: &str = "\
 Examples:
   scanbench compare runs/before runs/after
+  scanbench compare runs/before runs/after -d hierarchical
   scanbench compare runs/latest -d kd-tree,hierarchical
   scanbench compare runs/before runs/after --slices --markdown > slices.md
   scanbench compare runs/latest -d kd-tree,hierarchical -o paper/comparison

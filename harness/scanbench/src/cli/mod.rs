@@ -46,7 +46,7 @@ pub use protocols::ProtocolArgs;
 pub use reproduce::{ChosenFor, PaperName, ReproduceArgs};
 pub use results::{NamedResults, ResultFilesArgs};
 pub use run::RunArgs;
-pub use serve::ServeArgs;
+pub use serve::{RESULTS, ServeArgs};
 pub use shard::ShardArgs;
 pub use stream::StreamArgs;
 pub use submit::{KubernetesArgs, SlurmArgs, SubmitCommand};

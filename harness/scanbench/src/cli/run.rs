@@ -1,6 +1,7 @@
 //! Arguments of `scanbench run`.
 
 use std::num::NonZeroUsize;
+use std::path::PathBuf;
 
 use clap::{Args, ValueEnum};
 use evaluation::run::detector_list::DEFAULT_DETECTORS;
@@ -46,6 +47,22 @@ pub struct RunArgs {
     /// What other programs found.
     #[command(flatten)]
     pub foreign: ForeignArgs,
+    /// Add the detectors of -d, or --detections, to a finished run
+    ///
+    /// They run alone on its scans, as its own detectors did; then the run is made again of the rows of both. Everything else
+    /// is as the run says.
+    #[arg(
+        long,
+        value_name = "RUN",
+        help_heading = DETECTORS,
+        hide_short_help = true,
+        conflicts_with_all = [
+            "datasets", "scans", "config", "parameters", "criterion", "only", "protocols", "output", "overwrite", "shard",
+            "skip_damaged", "labels_are_right", "mcap", "detections_out", "result_format", "save_rrd", "connect", "serve",
+            "spawn", "blocks"
+        ]
+    )]
+    pub add_to: Option<PathBuf>,
     /// Parameters.
     #[command(flatten)]
     pub config: ConfigArgs,
@@ -126,5 +143,6 @@ The run directory (docs/run-directory.md) holds
   table_<task>.{csv,md,tex}, table_times.md, table_stages.md
   protocols.json, protocol_*.csv, table_protocol_<name>.*  with --protocol
 
+`scanbench run --add-to runs/latest -d pca` adds a detector to a finished run.
 Unless -o names it, runs/latest points at it. With -o, an interrupted run goes on when
 the same command is given again; --mcap, --detections-out and --save-rrd=FILE begin anew.";

@@ -155,7 +155,7 @@ pub fn choose_matching(config: &mut RunConfig, matching: &MatchingArgs) -> Resul
     config.judge_only(only).map_err(|problem| Usage(format!("--only: {problem}")))
 }
 
-fn load(arguments: &ConfigArgs) -> Result<RunConfig, Failure> {
+pub fn load(arguments: &ConfigArgs) -> Result<RunConfig, Failure> {
     let found = if arguments.config.is_some() { None } else { configuration_file() };
     if let Some(found) = &found {
         print_detail(format_args!("Configuration: {}", found.display()));

@@ -13,6 +13,7 @@ pub mod frame_facts;
 pub mod open_datasets;
 pub mod judged_streets;
 pub mod named_blocks;
+pub mod named_box;
 pub mod opened_results;
 pub mod open_scan;
 pub mod first_look;

@@ -1,6 +1,5 @@
 //! Where and with what a run was made.
 
-use evaluation::metrics::counts::SCORING_VERSION;
 use jiff::Timestamp;
 use reports::run_folder::manifest::{GitState, Machine};
 use scans::dataset::checksum::sha256;
@@ -76,7 +75,6 @@ pub fn compact_utc(time: Timestamp) -> String {
 pub fn comparison_facts(arguments: &CompareArgs) -> serde_json::Value {
     serde_json::json!({
         "scanbench_version": env!("CARGO_PKG_VERSION"),
-        "scoring_version": SCORING_VERSION,
         "argv": command_line(),
         "git": git_state(),
         "before": arguments.run,

@@ -5,7 +5,7 @@ use std::num::NonZeroUsize;
 
 use detector::Rule;
 use evaluation::matching::criterion::Criterion;
-use evaluation::metrics::counts::SCORING_VERSION;
+use evaluation::metrics::counts::scoring_version;
 use evaluation::run::compared_detector::ComparedDetector;
 use evaluation::run::config::{RunConfig, TrainedModel};
 use evaluation::run::detector_list::ChosenDetector;
@@ -16,6 +16,7 @@ use reports::run_folder::manifest::{
     AnnotatedClasses, DatasetEntry, DetectorEntry, ForeignEntry, IgnoreRule, Manifest, Simulation,
 };
 use reports::vocabulary::class::AnnotationClass;
+use reports::vocabulary::criterion::CriterionKind;
 use reports::vocabulary::protocol::Protocol;
 use scans::dataset;
 use simulator::SIMULATOR_VERSION;
@@ -48,7 +49,7 @@ pub fn run_manifest(settings: RunSettings<'_>) -> Manifest {
     let matching = &settings.config.matching;
     Manifest {
         schema: SCHEMA,
-        scoring_version: SCORING_VERSION,
+        scoring_version: scoring_version(criteria_of(settings.config)),
         scanbench_version: env!("CARGO_PKG_VERSION").to_owned(),
         created: rfc3339_utc(settings.started),
         argv: command_line(),
@@ -147,6 +148,13 @@ fn foreign_entry(name: &str, foreign: &ForeignDetector, config: &RunConfig) -> D
 
 fn json(resolved: &toml::Table) -> serde_json::Value {
     serde_json::to_value(resolved).expect("a configuration has text keys only")
+}
+
+/// The kinds of criteria that a run judges by.
+fn criteria_of(config: &RunConfig) -> Vec<CriterionKind> {
+    let of_run = config.matching.criterion;
+    let of_classes = config.class_criteria.all(of_run).map(|(_, it)| it.kind());
+    [of_run.kind()].into_iter().chain(of_classes).collect()
 }
 
 /// The criterion of the run, of the classes that have one of their own, and the slice that alone is judged, in words.

@@ -1,6 +1,5 @@
 //! Files that a run leaves once all scans are judged: numbers, their tables, the page.
 
-use evaluation::metrics::counts::SCORING_VERSION;
 use reports::facts::run_facts::RunFacts;
 use reports::files::csv_rows::to_csv_bytes;
 use reports::numbers::processor_time_row::ProcessorTimeRow;
@@ -97,7 +96,8 @@ pub fn write_times_of_processors(
     }
     let (mut rows, mut tables) = (Vec::new(), Vec::new());
     for (processor, tally) in processors {
-        let report = RunReport::with_overall(SCORING_VERSION, tally.time_rows(), tally.overall_time_rows())?;
+        let report =
+            RunReport::with_overall(manifest.scoring_version, tally.time_rows(), tally.overall_time_rows())?;
         let of_report = report.rows().iter().chain(report.overall());
         rows.extend(of_report.map(|it| ProcessorTimeRow::new(processor, it)));
         let mut on_processor = manifest.clone();

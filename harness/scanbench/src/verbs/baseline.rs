@@ -11,6 +11,7 @@ use reports::verdicts::accept::{
     ACCEPTED_RUN, Acceptance, SCORES_MD, Succession, TOLERANCES_TOML, accept, refuse_uncommitted,
 };
 use reports::verdicts::annotated_tolerances::built_in_file;
+use reports::verdicts::classes_of_both::with_classes_of_both;
 use reports::verdicts::least_loss::least_losses;
 use reports::verdicts::tolerances::Tolerances;
 use reports::verdicts::verdict::{JudgeError, judge};
@@ -48,8 +49,9 @@ pub fn baseline_init(arguments: &BaselineInitArgs) -> Result<(), Failure> {
 /// that it can be compared with.
 fn judged_by(directory: &Path, run: &RunArchive, path: &Path) -> Result<Option<Judged>, Failure> {
     let Ok(before) = RunArchive::read(&directory.join(ACCEPTED_RUN)) else { return Ok(None) };
+    let [before, run] = with_classes_of_both([before, run.clone()]);
     let tolerances = tolerances(directory, None, &before)?;
-    let verdict = match judge(&before, run, &tolerances) {
+    let verdict = match judge(&before, &run, &tolerances) {
         Ok(verdict) => verdict,
         // Whether it may follow all the same is decided when it is accepted.
         Err(JudgeError::NotComparable(_)) => return Ok(None),

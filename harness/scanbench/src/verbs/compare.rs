@@ -33,7 +33,12 @@ pub fn compare(arguments: &CompareArgs) -> Result<(), Failure> {
         return Err(Usage(problem.to_owned()).into());
     }
     let comparison = match (&arguments.other, arguments.detectors.as_deref()) {
-        (Some(other), _) => compare_runs(&run, &open_run(other)?, slices)?,
+        (Some(other), only) => {
+            for name in only.unwrap_or_default() {
+                check_has(&run, name)?;
+            }
+            compare_runs(&run, &open_run(other)?, slices, only)?
+        }
         (None, Some([first, second])) => of_detectors(&run, first, second, slices)?,
         (None, _) => {
             return Err(Usage("--detectors takes two names, such as kd-tree,hierarchical".to_owned()).into());
@@ -58,15 +63,22 @@ fn of_detectors(
     second: &str,
     slices: ComparedSlices,
 ) -> Result<Comparison, Failure> {
-    let tally = run.tally();
-    let (what, known) = if run.manifest.partial.is_some() {
-        ("method", run.objects.iter().map(PartialRow::method).collect::<BTreeSet<_>>().into_iter().collect())
-    } else {
-        ("detector", tally.detectors().iter().map(String::as_str).collect::<Vec<_>>())
-    };
-    if let Some(unknown) = [first, second].into_iter().find(|it| !known.contains(it)) {
-        let known = known.join(", ");
-        return Err(Usage(format!("the run has no {what} {unknown:?}; its {what}s are {known}")).into());
+    for name in [first, second] {
+        check_has(run, name)?;
     }
     Ok(compare_detectors(run, first, second, slices)?)
+}
+
+/// Checks that `run` has this detector, or this method.
+fn check_has(run: &RunArchive, name: &str) -> Result<(), Failure> {
+    let (what, known): (_, BTreeSet<&str>) = if run.manifest.partial.is_some() {
+        ("method", run.objects.iter().map(PartialRow::method).collect())
+    } else {
+        ("detector", run.scans.iter().map(|it| it.detector.as_str()).collect())
+    };
+    if known.contains(name) {
+        return Ok(());
+    }
+    let known = known.into_iter().collect::<Vec<_>>().join(", ");
+    Err(Usage(format!("the run has no {what} {name:?}; its {what}s are {known}")).into())
 }

@@ -11,6 +11,7 @@ use reports::tables::formats::markdown::Markdown;
 use reports::tables::verdict::brief::{Brief, Purpose};
 use reports::tables::verdict::summary::InFull;
 use reports::verdicts::accept::{TOLERANCES_TOML, run_of_baseline};
+use reports::verdicts::classes_of_both::with_classes_of_both;
 use reports::verdicts::tolerances::{DriftRule, Tolerances};
 use reports::verdicts::tolerances_file::TolerancesError;
 use reports::verdicts::verdict::{Verdict, judge};
@@ -25,12 +26,12 @@ use crate::verbs::history::add_to_history;
 /// Judges a run by an accepted one, and prints and writes the verdict.
 pub fn gate(arguments: &GateArgs) -> Result<(), Failure> {
     let directory = &arguments.baseline.baseline;
-    let baseline = open_baseline(directory)?;
+    let sides = [open_baseline(directory)?, open_run(&arguments.run)?];
+    let [baseline, run] = with_classes_of_both(sides);
     let mut tolerances = tolerances(directory, arguments.tolerances.as_deref(), &baseline)?;
     if let Some(is_allowed) = arguments.allow_drift {
         tolerances.drift = if is_allowed { DriftRule::Warn } else { DriftRule::Fail };
     }
-    let run = open_run(&arguments.run)?;
     let verdict = judge(&baseline, &run, &tolerances)?;
     if let Some(output) = &arguments.output {
         write_verdict(output, &verdict, &run)?;

@@ -3,10 +3,12 @@
 pub mod run;
 pub mod ablation;
 pub mod detect;
-pub mod selftest_protocols;
-pub mod selftest;
 #[cfg(target_os = "linux")]
 pub mod serve;
+mod selftest_checked;
+mod selftest_doors;
+pub mod selftest_protocols;
+pub mod selftest;
 pub mod params;
 pub mod gaps;
 pub mod boxes;
@@ -21,6 +23,8 @@ pub mod report;
 pub mod reproduce;
 pub mod merge;
 pub mod worst_scans;
+pub mod changed_scans;
+pub mod suspects;
 pub mod view;
 pub mod history;
 pub mod gate;
@@ -113,8 +117,10 @@ pub enum Command {
     Compare(CompareArgs),
     /// Rebuild the HTML page and the plots of a run or a sweep
     Report(report::ReportArgs),
-    /// List the worst mistakes of a run and record their scans
+    /// List the worst mistakes of a run, or what changed between two, and record their scans
     View(ViewArgs),
+    /// List labels that several detectors contradict, and record their scans
+    Suspects(suspects::SuspectsArgs),
     /// Check a run against the baseline: fail if it is worse or results changed
     Gate(GateArgs),
     /// Show what became of the numbers of a branch: trends, and the runs where they changed
@@ -262,6 +268,7 @@ pub fn dispatch(cli: &Cli) -> Result<(), Failure> {
         Command::Compare(arguments) => compare::compare(arguments),
         Command::Report(arguments) => report::report(arguments),
         Command::View(arguments) => view::view(arguments),
+        Command::Suspects(arguments) => suspects::suspects(arguments),
         Command::Gate(arguments) => gate::gate(arguments),
         Command::History(arguments) => history::history(arguments),
         Command::Baseline(BaselineCommand::Init(arguments)) => baseline::baseline_init(arguments),

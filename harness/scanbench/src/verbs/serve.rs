@@ -2,9 +2,9 @@
 
 use std::fs::{File, OpenOptions};
 use std::io::{self, BufRead as _, BufReader, Write as _};
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
-use detector::{Detector, DetectorOutput};
+use detector::{Detector, DetectorOutput, OrientedBox};
 use evaluation::process::message::{
     Answer, AskedScan, Configuration, Introduction, PROTOCOL, Question, line_of, parse_line,
 };
@@ -15,20 +15,24 @@ use evaluation::run::config::RunConfig;
 use evaluation::run::detector_list::ListedDetector;
 use evaluation::run::process_detector::NOTHING;
 
-use crate::cli::ServeArgs;
+use crate::cli::{RESULTS, ServeArgs};
 use crate::plumbing::config::{built_in_detectors, warn_of_missing_curve};
 use crate::plumbing::failure::{Failure, Usage};
+use crate::plumbing::named_box::NamedBox;
 
 pub use evaluation::process::supervisor::supervise;
 
 /// Answers questions until it is asked to end.
 pub fn serve(arguments: &ServeArgs) -> Result<(), Failure> {
-    let served = if arguments.detector == NOTHING {
-        None
-    } else {
-        let names = std::slice::from_ref(&arguments.detector);
-        let (listed, config) = built_in_detectors(&arguments.config, names)?;
-        Some((listed[0], config))
+    let served = match (arguments.detector.as_str(), &arguments.results) {
+        (RESULTS, Some(folder)) => Served::Results(folder.clone()),
+        (_, Some(_)) => return Err(Usage(format!("--results is for `serve {RESULTS}`")).into()),
+        (NOTHING, None) => Served::Nothing,
+        _ => {
+            let names = std::slice::from_ref(&arguments.detector);
+            let (listed, config) = built_in_detectors(&arguments.config, names)?;
+            Served::BuiltIn(listed[0], Box::new(config))
+        }
     };
     let mut reading = BufReader::new(end_of(READ_FD, OpenOptions::new().read(true))?);
     let writing = end_of(WRITE_FD, OpenOptions::new().write(true))?;
@@ -68,9 +72,18 @@ fn end_of(name: &str, how: &OpenOptions) -> Result<File, Failure> {
     opened.map_err(|error| Failure::usage(format!("{name} = {number} is no pipe"), error))
 }
 
+/// What answers.
+enum Served {
+    /// Nothing is found.
+    Nothing,
+    /// A detector with its parameters.
+    BuiltIn(ListedDetector, Box<RunConfig>),
+    /// Files of boxes, by the names of scans.
+    Results(PathBuf),
+}
+
 struct Server {
-    /// `None` finds nothing.
-    served: Option<(ListedDetector, RunConfig)>,
+    served: Served,
     writing: File,
     extent: Extent,
     cloud: Option<ReceivedCloud>,
@@ -87,7 +100,12 @@ impl Server {
             }
             Question::Hello { extensions, .. } => {
                 self.extent = Extent::of(&extensions);
-                let name = self.served.as_ref().map_or(NOTHING, |(listed, _)| listed.name).to_owned();
+                let name = match &self.served {
+                    Served::Nothing => NOTHING,
+                    Served::BuiltIn(listed, _) => listed.name,
+                    Served::Results(_) => RESULTS,
+                };
+                let name = name.to_owned();
                 let version = Some(env!("CARGO_PKG_VERSION").to_owned());
                 self.say(&Answer::Hello(Introduction { protocol: PROTOCOL, name, version }))
             }
@@ -114,7 +132,7 @@ impl Server {
     fn configure(&mut self, configuration: &Configuration) -> Result<(), String> {
         let memory = ReceivedCloud::open(Path::new(&configuration.shared_memory));
         self.cloud = Some(memory.map_err(|error| format!("{}: {error}", configuration.shared_memory))?);
-        let Some((listed, config)) = &self.served else { return Ok(()) };
+        let Served::BuiltIn(listed, config) = &self.served else { return Ok(()) };
         if let Some(name) = configuration.parameters.keys().next() {
             return Err(format!(
                 "no parameter {name}: parameters of {} are given to serve by -P",
@@ -137,15 +155,39 @@ impl Server {
     fn detect(&mut self, asked: &AskedScan) -> Result<(), Problem> {
         let early = || Problem::Reported("scan before configure".to_owned());
         let cloud = self.cloud.as_mut().ok_or_else(early)?.read(asked).map_err(Problem::Reported)?;
-        let message = if self.served.is_none() {
-            self.answer.write_nothing(asked.number, cloud.len()).map_err(Problem::Broken)?
-        } else {
-            self.detector.as_mut().ok_or_else(early)?.detect(cloud, &mut self.output);
-            let answer = self.answer.write(asked.number, &self.output, cloud.len(), self.extent);
-            answer.map_err(Problem::Reported)?
+        let message = match &self.served {
+            Served::Nothing => {
+                self.answer.write_nothing(asked.number, cloud.len()).map_err(Problem::Broken)?
+            }
+            Served::Results(folder) => {
+                let boxes = named_boxes(&folder.join(format!("{}.csv", asked.name)));
+                let boxes = boxes.map_err(Problem::Reported)?;
+                self.answer.write_boxes(asked.number, &boxes).map_err(Problem::Broken)?
+            }
+            Served::BuiltIn(..) => {
+                self.detector.as_mut().ok_or_else(early)?.detect(cloud, &mut self.output);
+                let answer = self.answer.write(asked.number, &self.output, cloud.len(), self.extent);
+                answer.map_err(Problem::Reported)?
+            }
         };
         self.writing.write_all(message).map_err(Problem::Broken)
     }
+}
+
+/// The boxes of a file with the columns `class`, centre, size and heading, each with the word that it has there.
+fn named_boxes(path: &Path) -> Result<Vec<(OrientedBox, String)>, String> {
+    let in_file = |error: csv::Error| format!("{}: {error}", path.display());
+    let mut reader = csv::Reader::from_path(path).map_err(in_file)?;
+    let rows = reader.deserialize::<NamedBox>().map(|row| {
+        let it = row.map_err(in_file)?;
+        let bounding_box = OrientedBox {
+            center_m: [it.center_x_m, it.center_y_m, it.center_z_m],
+            length_width_height_m: [it.length_m, it.width_m, it.height_m],
+            yaw_rad: it.yaw_rad,
+        };
+        Ok((bounding_box, it.class))
+    });
+    rows.collect()
 }
 
 /// Why a scan has no result.

@@ -8,18 +8,21 @@ use reports::run_folder::command_line::shell_word;
 use reports::run_folder::run_target::MANIFEST_JSON;
 use reports::vocabulary::class::{AnnotationClass, DetectionClass};
 use reports::vocabulary::reason::MistakeKind;
-use reports::vocabulary::task::Task;
 use reports::worst::mistakes::{MistakeChoice, worst, worst_to_terminal};
 
 use crate::cli::{OutcomeName, ViewArgs};
 use crate::plumbing::failure::{Failure, NothingEvaluated, Usage};
 use crate::plumbing::open_run::open_run;
 use crate::plumbing::standard_streams::print_text;
-use crate::verbs::worst_scans::record;
+use crate::verbs::changed_scans::view_changes;
+use crate::verbs::worst_scans::{chosen_task, record};
 
 /// Lists the worst mistakes of a detector, and records the scans they are in.
 pub fn view(arguments: &ViewArgs) -> Result<(), Failure> {
     let path = &arguments.run;
+    if let Some(after) = &arguments.after {
+        return view_changes(arguments, after);
+    }
     if path.is_dir() && !path.join(MANIFEST_JSON).exists() {
         let (path, word) = (path.display(), shell_word(&path.display().to_string()));
         return Err(Usage(format!(
@@ -33,14 +36,7 @@ pub fn view(arguments: &ViewArgs) -> Result<(), Failure> {
         return Err(Usage(format!("{} {problem}", path.display())).into());
     }
     let names: Vec<&str> = run.manifest.detectors.iter().map(|it| it.name.as_str()).collect();
-    let detector = arguments.detector.as_deref().or(names.first().copied()).unwrap_or_default();
-    if !names.contains(&detector) {
-        return Err(Usage(format!(
-            "the run has no detector {detector:?}; its detectors are {}",
-            names.join(", ")
-        ))
-        .into());
-    }
+    let (detector, task) = chosen_task(arguments, &run, &names)?;
     if let Some(name) = arguments.class.as_deref().filter(|it| !is_class(it)) {
         return Err(Usage(format!(
             "the run has no class {name:?}; its classes are {}",
@@ -48,12 +44,6 @@ pub fn view(arguments: &ViewArgs) -> Result<(), Failure> {
         ))
         .into());
     }
-    let tasks: BTreeSet<Task> = run.scans.iter().map(|it| it.task).collect();
-    let Some(&task) = tasks.iter().find(|it| it.name() == arguments.task) else {
-        let known: Vec<&str> = tasks.iter().map(|it| it.name()).collect();
-        let problem = format!("the run has no task {:?}; its tasks are {}", arguments.task, known.join(", "));
-        return Err(Usage(problem).into());
-    };
     let choice = MistakeChoice {
         detector,
         task,

@@ -1,6 +1,6 @@
 //! The recording of the scans with the worst mistakes.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::num::NonZeroUsize;
 use std::sync::atomic::AtomicBool;
 
@@ -14,16 +14,17 @@ use evaluation::run::side_by_side::SideBySide;
 use evaluation::run::sink::{JudgedScan, WatchedDataset};
 use reports::run_folder::command_line::shell_word;
 use reports::run_folder::manifest::Manifest;
+use reports::run_folder::run_archive::RunArchive;
 use reports::vocabulary::reason::MistakeKind;
 use reports::vocabulary::task::Task;
 use reports::worst::mistakes::ListedMistake;
 
 use crate::cli::{RunArgs, ViewArgs};
-use crate::plumbing::config::{choose_matching, chosen_detectors};
+use crate::plumbing::config::{choose_matching, chosen_detectors, load};
 use crate::plumbing::failure::{Failure, Usage};
 use crate::plumbing::first_look::look_first_at_all;
 use crate::plumbing::interruption::interruption_flag;
-use crate::plumbing::open_datasets::{OpenedDataset, open_datasets_past_damage};
+use crate::plumbing::open_datasets::{OpenedDataset, open_datasets_past_damage, own_classes};
 use crate::plumbing::progress::progress_over_scans;
 use crate::plumbing::recorder::{
     self, Appearance, Recorder, RecordingPlan, is_wanted, report_ending, serve_until_interrupted,
@@ -60,6 +61,7 @@ pub fn record(
         n_scans: scans.len(),
         has_poses: again.datasets.iter().any(OpenedDataset::has_poses),
         at_the_start: true,
+        shows_changes: false,
         figures: &[],
     })?
     else {
@@ -72,6 +74,29 @@ pub fn record(
         serve_until_interrupted(&*served, interrupted);
     }
     Ok(())
+}
+
+/// The detector of `run` and the task that `arguments` name; `names` are its detectors.
+pub fn chosen_task<'a>(
+    arguments: &'a ViewArgs,
+    run: &RunArchive,
+    names: &[&'a str],
+) -> Result<(&'a str, Task), Failure> {
+    let detector = arguments.detector.as_deref().or(names.first().copied()).unwrap_or_default();
+    if !names.contains(&detector) {
+        return Err(Usage(format!(
+            "the run has no detector {detector:?}; its detectors are {}",
+            names.join(", ")
+        ))
+        .into());
+    }
+    let tasks: BTreeSet<Task> = run.scans.iter().map(|it| it.task).collect();
+    let Some(&task) = tasks.iter().find(|it| it.name() == arguments.task) else {
+        let known: Vec<&str> = tasks.iter().map(|it| it.name()).collect();
+        let problem = format!("the run has no task {:?}; its tasks are {}", arguments.task, known.join(", "));
+        return Err(Usage(problem).into());
+    };
+    Ok((detector, task))
 }
 
 struct WorstScan {
@@ -87,7 +112,7 @@ fn mark(rank: u32, mistake: &ListedMistake<'_>) -> Option<Mark> {
         MistakeKind::False => "false",
     };
     let text = format!("worst {rank}: {kind} {}, {}", mistake.class, mistake.reason);
-    Some(Mark { position_m: mistake.position_m?, text })
+    Some(Mark { position_m: mistake.position_m?, text, change: None })
 }
 
 struct RunAgain {
@@ -126,19 +151,50 @@ fn show_programs(arguments: &RunArgs, detectors: &[ChosenDetector], trusted: boo
     Ok(())
 }
 
+/// The arguments that the run of `manifest` was made with. Unless it is `trusted`, it may name no address.
+fn arguments_of(manifest: &Manifest, trusted: bool) -> Result<Box<RunArgs>, Failure> {
+    let parsed = Cli::try_parse_from(&manifest.argv).map(|it| it.command);
+    let Ok(Command::Run(arguments)) = parsed else {
+        let line = manifest.argv.join(" ");
+        return Err(
+            Usage(format!("this program does not understand the command of the run: `{line}`")).into()
+        );
+    };
+    if !trusted {
+        refuse_addresses(&arguments)?;
+    }
+    Ok(arguments)
+}
+
+/// The data sets of the run of `manifest`, for their scans alone: no detector is asked.
+pub fn datasets_of(manifest: &Manifest, trusted: bool) -> Result<Vec<OpenedDataset>, Failure> {
+    let arguments = arguments_of(manifest, trusted)?;
+    let mut config = load(&arguments.config)?;
+    config.classes = own_classes(&arguments.data.source).or(&config.classes);
+    let datasets = open_datasets_past_damage(&arguments.data, arguments.damage.policy(), &config.classes)?;
+    let datasets = look_first_at_all(datasets, &mut config);
+    refuse_other_scans(manifest, &datasets, arguments.data.scans.as_deref())?;
+    Ok(datasets)
+}
+
+/// Indices of the data set and of the scan of this name among `datasets`.
+pub fn place_of(
+    datasets: &[OpenedDataset],
+    (dataset, sequence, scan): (&str, &str, u32),
+) -> Result<[usize; 2], Usage> {
+    let is_its = |it: &OpenedDataset| it.dataset.description().id == dataset;
+    let place = datasets.iter().position(is_its).and_then(|dataset_idx| {
+        let ids = datasets[dataset_idx].dataset.scan_ids();
+        let scan_idx = ids.iter().position(|id| id.sequence == sequence && id.index == scan)?;
+        Some([dataset_idx, scan_idx])
+    });
+    place.ok_or_else(|| Usage(format!("scan {sequence} {scan} of {dataset:?} does not exist any more")))
+}
+
 impl RunAgain {
     /// Opens the run of `manifest`; a run that is not `trusted` may name files of this machine, and nothing else.
     fn of(manifest: &Manifest, trusted: bool) -> Result<Self, Failure> {
-        let parsed = Cli::try_parse_from(&manifest.argv).map(|it| it.command);
-        let Ok(Command::Run(arguments)) = parsed else {
-            let line = manifest.argv.join(" ");
-            return Err(
-                Usage(format!("this program does not understand the command of the run: `{line}`")).into()
-            );
-        };
-        if !trusted {
-            refuse_addresses(&arguments)?;
-        }
+        let arguments = arguments_of(manifest, trusted)?;
         let (detectors, mut config) = chosen_detectors(&arguments.config, &arguments.detectors)?;
         show_programs(&arguments, &detectors, trusted)?;
         choose_matching(&mut config, &arguments.matching)?;
@@ -161,19 +217,7 @@ impl RunAgain {
         let mut scans: Vec<WorstScan> = Vec::new();
         for (rank, mistake) in (1..).zip(mistakes) {
             let row = mistake.row;
-            let is_its = |it: &OpenedDataset| it.dataset.description().id == row.dataset;
-            let indices = self.datasets.iter().position(is_its).and_then(|dataset_idx| {
-                let ids = self.datasets[dataset_idx].dataset.scan_ids();
-                let scan_idx =
-                    ids.iter().position(|id| id.sequence == row.sequence && id.index == row.scan)?;
-                Some([dataset_idx, scan_idx])
-            });
-            let indices = indices.ok_or_else(|| {
-                Usage(format!(
-                    "scan {} {} of {:?} does not exist any more",
-                    row.sequence, row.scan, row.dataset
-                ))
-            })?;
+            let indices = place_of(&self.datasets, (&row.dataset, &row.sequence, row.scan))?;
             let mark = mark(rank, mistake);
             match scans.iter_mut().find(|it| it.indices == indices) {
                 Some(scan) => scan.marks.extend(mark),

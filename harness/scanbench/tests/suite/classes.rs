@@ -66,8 +66,7 @@ fn each_class_is_judged_by_itself_and_a_changed_class_does_not_pass() {
     let gate =
         workplace.end_with("gate swapped-run --baseline right-run --full", 101, &["FAILED: results changed"]);
     gate.check_stdout(&["net, car", "24 objects with another class"]);
-    let words: Vec<&str> = gate.stdout.split_whitespace().collect();
-    assert!(words.join(" ").contains("found before as car, now as truck"), "{}", gate.stdout);
+    assert!(words(&gate.stdout).contains("found before as car, now as truck"), "{}", gate.stdout);
     let same = workplace.succeed("gate right-run --baseline right-run");
     same.check_stdout(&["PASSED"]);
     let compared = workplace.succeed("compare right-run swapped-run");
@@ -76,6 +75,53 @@ fn each_class_is_judged_by_itself_and_a_changed_class_does_not_pass() {
         "{}",
         compared.stdout
     );
+    let one = workplace.succeed("compare right-run swapped-run -d net");
+    assert!(!one.stdout.contains("pca"), "{}", one.stdout);
+    workplace.refuse("compare right-run swapped-run -d nett", 2, &["no detector \"nett\""]);
+}
+
+#[test]
+fn a_class_that_one_side_does_not_give_is_one_of_which_it_has_found_nothing() {
+    let workplace = Workplace::with_drive(N_SCANS);
+    write_results(&workplace, "right", ["Car", "REGULAR_VEHICLE"]);
+    write_results(&workplace, "swapped", ["Car", "Truck"]);
+    write_results(&workplace, "unnamed", ["object", "object"]);
+    for results in ["right", "swapped", "unnamed"] {
+        run(&workplace, results, &format!("{results}-run"));
+    }
+    let changed = &["FAILED: results changed"];
+    let gate = workplace.end_with("gate swapped-run --baseline right-run --full", 101, changed);
+    let gone =
+        workplace.end_with("gate right-run --baseline swapped-run --full", 101, &["FAILED: results changed"]);
+    assert!(words(&gone.stdout).contains("found before as truck, now as car"), "{}", gone.stdout);
+    assert!(rates(&gone.stdout, "all  , fo  ").contains("all fo 12 0 −12"), "{}", gone.stdout);
+    let new = rates(&gate.stdout, "No rule is about the class truck");
+    assert!(new.is_empty(), "the built-in rules are about it: {}", gate.stdout);
+    assert!(rates(&gate.stdout, "all  , fo  ").contains("all fo 0 12 +12"), "{}", gate.stdout);
+    let gate =
+        workplace.end_with("gate unnamed-run --baseline right-run --full", 5, &["numbers are missing"]);
+    assert!(
+        rates(&gate.stdout, "class/car  , recall").contains("recall [%] 100.0 0.0 −100.00"),
+        "{}",
+        gate.stdout
+    );
+    assert!(words(&gate.stdout).contains("found before, now missed (wrong class)"), "{}", gate.stdout);
+    // Rules of a file are about the classes that they name.
+    let rule = "[[quality]]\nmetrics = [\"recall\"]\nslices = [\"all\"]\ntasks = [\"car\"]\ndetectors = [\"net\"]\nabsolute = 0.01\nrelative = 0.0\n";
+    workplace.write("named.toml", rule);
+    let named = workplace.end_with("gate swapped-run --baseline right-run -t named.toml", 101, &["FAILED"]);
+    let about_none = "No rule is about the class truck, which net gives falsely 12 times, and gave 0 times.";
+    assert!(words(&named.stdout).contains(about_none), "{}", named.stdout);
+}
+
+/// The line of `text` with the words of `what`, its spaces as one.
+fn rates(text: &str, what: &str) -> String {
+    let has_all = |line: &&str| what.split(", ").all(|it| line.contains(it));
+    words(text.lines().find(has_all).unwrap_or_default())
+}
+
+fn words(text: &str) -> String {
+    text.split_whitespace().collect::<Vec<_>>().join(" ")
 }
 
 #[test]
@@ -113,4 +159,30 @@ fn a_class_of_the_user_goes_from_labels_and_results_to_tables_and_exports() {
     let vehicles = workplace.table("grouped/scans.csv");
     let mut vehicles = vehicles.iter().filter(|it| it["task"] == "vehicles" && it["detector"] == "net");
     assert!(vehicles.all(|it| it["no"] == "2" && it["tp"] == "2"), "it is a vehicle");
+}
+
+#[test]
+fn a_class_of_a_whole_group_is_found_where_any_of_the_group_is_annotated() {
+    let workplace = Workplace::with_drive(N_SCANS);
+    let labels = workplace.read("street/training/label_02/0000.txt");
+    let is_second = |line: &str| line.split(' ').nth(1) == Some("1");
+    let labels = labels
+        .lines()
+        .map(|it| if is_second(it) { it.replace("Car", "Truck") } else { it.to_owned() } + "\n");
+    workplace.write("street/training/label_02/0000.txt", &labels.collect::<String>());
+    write_results(&workplace, "found", ["any vehicle", "any vehicle"]);
+    workplace.write("scanbench.toml", "[class.any-vehicle]\ngroup = \"vehicle\"\nwhole_group = true\n");
+    run(&workplace, "found", "out");
+    let rows = workplace.table("out/scans.csv");
+    let sums = |task: &str| -> [u64; 3] {
+        let of_task = rows.iter().filter(|it| it["detector"] == "net" && it["task"] == task);
+        ["no", "tp", "fo"].map(|column| of_task.clone().filter_map(|it| it[column].parse::<u64>().ok()).sum())
+    };
+    let n = u64::from(N_SCANS);
+    assert_eq!(sums("any-vehicle"), [2 * n, 2 * n, 0]);
+    assert_eq!(sums("car"), [n, 0, 0]);
+    assert_eq!(sums("vehicles"), [2 * n, 2 * n, 0]);
+    workplace.write("scanbench.toml", "[class.anything]\nwhole_group = true\n");
+    let refused = "run street -d pca --no-rrd -o other";
+    workplace.refuse(refused, 2, &["class.anything: whole_group needs a group"]);
 }

@@ -195,8 +195,9 @@ fn the_drawn_cars_are_found() {
 fn a_selftest_is_exact() {
     let workplace = Workplace::with_drive(2);
     let ended = workplace.succeed("selftest street");
-    // Four criteria in two tasks.
-    assert_eq!(ended.stdout.lines().count(), 8, "{ended:#?}");
+    // Four criteria in two tasks; two tasks and a class through a process, and through files of CSV and of KITTI.
+    assert_eq!(ended.stdout.lines().count(), 8 + 3 * 3, "{ended:#?}");
+    assert_eq!(ended.stdout.matches("car by centre, through ").count(), 3, "{ended:#?}");
     for line in ended.stdout.lines() {
         assert!(line.starts_with("ok ") && line.contains("recall 1, "), "{line}");
         assert!(line.ends_with("over 4 annotations, largest cost 0"), "{line}");

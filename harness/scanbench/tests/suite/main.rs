@@ -21,6 +21,7 @@ mod ablation;
 mod experiments;
 mod layers;
 mod run_directory;
+mod added;
 mod seeds;
 #[cfg(target_os = "linux")]
 mod signals;

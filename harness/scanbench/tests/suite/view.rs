@@ -87,3 +87,99 @@ fn scans_that_would_not_be_the_same_are_not_recorded() {
         assert!(!workplace.path("run/worst.rrd").exists());
     }
 }
+
+#[test]
+fn two_runs_are_shown_by_what_changed_between_them() {
+    let workplace = small_run();
+    let before = "run street-narrow --simulated-scans 4 --sensor vlp-16 -d hierarchical --no-rrd";
+    workplace.succeed(&(before, "-o before"));
+    workplace.succeed(&(before, "-P cell_size_m=1.0 -o after"));
+    let recorded = if cfg!(feature = "viewer") { "" } else { "--no-rrd" };
+    let ended = workplace.succeed(&("view before after --task objects --worst 1000", recorded));
+    let mut lines = ended.stdout.lines();
+    let head = lines.next().expect("a head");
+    assert!(head.starts_with("hierarchical, objects: ") && head.contains(" lost, "), "{head}");
+    let kinds: Vec<&str> = lines.skip(2).map(|it| it.split_whitespace().nth(1).expect("a kind")).collect();
+    let order = ["lost", "new-false", "other-class", "found", "no-longer-false"];
+    let places: Vec<usize> =
+        kinds.iter().map(|it| order.iter().position(|kind| kind == it).expect("a kind")).collect();
+    assert!(places.is_sorted() && places.contains(&0) && places.contains(&4), "{kinds:?}");
+    // As many as the gate counts.
+    let n_lost = kinds.iter().filter(|it| **it == "lost").count();
+    assert!(head.contains(&format!("{n_lost} object")), "{head}");
+    let rows = |run: &str| workplace.table(&format!("{run}/matches.csv"));
+    let found = |run: &str| -> std::collections::BTreeSet<String> {
+        let of_objects =
+            rows(run).into_iter().filter(|it| it["task"] == "objects" && it["outcome"] == "matched");
+        let pairs = of_objects.filter(|it| it["kind"] == "pair");
+        pairs.map(|it| format!("{}/{}/{}", it["sequence"], it["scan"], it["annotation_id"])).collect()
+    };
+    let missed = |run: &str| -> std::collections::BTreeSet<String> {
+        let of_objects =
+            rows(run).into_iter().filter(|it| it["task"] == "objects" && it["outcome"] == "missed");
+        of_objects.map(|it| format!("{}/{}/{}", it["sequence"], it["scan"], it["annotation_id"])).collect()
+    };
+    assert_eq!(found("before").intersection(&missed("after")).count(), n_lost);
+    if cfg!(feature = "viewer") {
+        ended.check_stderr(&["after/changes.rrd"]);
+        assert!(workplace.path("after/changes.rrd").metadata().expect("it is there").len() > 100_000);
+    }
+    let first = ended.stdout.lines().nth(3).expect("a change").split_whitespace().nth(2).expect("an address");
+    let one = workplace.succeed(&("view before after --task objects --no-rrd --at", [first]));
+    assert!(one.stdout.lines().skip(3).all(|it| it.contains(first)), "{}", one.stdout);
+    workplace.refuse(
+        "view before before",
+        4,
+        &["no object of hierarchical in the task vehicles has another outcome"],
+    );
+    workplace.refuse("view before after --class car", 2, &["cannot be used with"]);
+    workplace.refuse("view run after", 5, &["the detector pca is only in the earlier run"]);
+}
+
+#[test]
+fn labels_that_all_detectors_contradict_are_listed_with_what_is_wrong() {
+    let workplace = Workplace::with_drive(12);
+    // The second car is longer by 2 m in the labels of the fourth scan, and there is none in those of the sixth.
+    let path = "street/training/label_02/0000.txt";
+    let labels = workplace.read(path);
+    let changed = labels.lines().filter_map(|line| {
+        let mut words: Vec<String> = line.split(' ').map(str::to_owned).collect();
+        match (words[0].as_str(), words[1].as_str()) {
+            ("5", "1") => return None,
+            ("3", "1") => words[12] = (words[12].parse::<f64>().expect("a length") + 2.0).to_string(),
+            _ => {}
+        }
+        Some(words.join(" ") + "\n")
+    });
+    workplace.write(path, &changed.collect::<String>());
+    // Both networks find both cars where they are.
+    let header = "class,score,center_x_m,center_y_m,center_z_m,length_m,width_m,height_m,yaw_rad";
+    for (name, off_m) in [("a", 0.05), ("b", -0.05)] {
+        for number in 0..12 {
+            let ahead_m = 12.0 + 0.5 * f64::from(number) + off_m;
+            let boxes = [[ahead_m, -1.5], [18.0 + off_m, 4.5]];
+            let lines = boxes.map(|[x_m, y_m]| format!("vehicle,0.9,{x_m},{y_m},-0.98,4.2,1.8,1.5,0\n"));
+            workplace
+                .write(&format!("{name}/0000/{number:06}.csv"), &format!("{header}\n{}", lines.concat()));
+        }
+    }
+    let run =
+        "run street -d pca --criterion centre --detections net-a=a --detections net-b=b --no-rrd -o run";
+    workplace.succeed(run);
+    let recorded = if cfg!(feature = "viewer") { "" } else { "--no-rrd" };
+    let ended = workplace.succeed(&("suspects run -d net-a,net-b --task vehicles", recorded));
+    let rows = workplace.table("run/suspects.csv");
+    let kinds: Vec<(&str, &str)> = rows.iter().map(|it| (it["scan"].as_str(), it["kind"].as_str())).collect();
+    assert_eq!(kinds.len(), 2, "{kinds:?}");
+    assert!(kinds.contains(&("3", "size")) && kinds.contains(&("5", "not-labelled")), "{kinds:?}");
+    ended.check_stdout(&[
+        "m shorter than labelled",
+        "all 2 detectors find an object here, and none is labelled",
+    ]);
+    if cfg!(feature = "viewer") {
+        assert!(workplace.path("run/suspects.rrd").metadata().expect("it is there").len() > 50_000);
+    }
+    workplace.refuse("suspects run -d net-a,net-a", 2, &["name two or more with -d"]);
+    workplace.refuse("suspects run -d net-a,nett", 2, &["the run has no detector \"nett\""]);
+    workplace.refuse("suspects run --task car", 2, &["the run has no task \"car\""]);
+}

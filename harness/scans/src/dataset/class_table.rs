@@ -213,11 +213,21 @@ impl UnknownClasses {
     /// Fails if there are unknown names, with an error that lists them and the lines that would map them. `id` is the data
     /// set.
     pub fn refuse(&self, id: &str) -> Result<(), DatasetError> {
+        self.refuse_words_in(&format!("the labels of {id:?}"))
+    }
+
+    /// The same of results; `name` is that of their file or folder.
+    pub fn refuse_results(&self, name: &str) -> Result<(), DatasetError> {
+        self.refuse_words_in(&format!("the results {name:?}"))
+    }
+
+    fn refuse_words_in(&self, what: &str) -> Result<(), DatasetError> {
         if self.is_empty() {
             return Ok(());
         }
         let (n_names, listing) = (self.by_name.len(), self.listing());
-        Err(DatasetError::Usage(format!("the labels of {id:?} have {n_names} unknown classes:\n{listing}")))
+        let classes = if n_names == 1 { "class" } else { "classes" };
+        Err(DatasetError::Usage(format!("{what} have {n_names} unknown {classes}:\n{listing}")))
     }
 
     fn listing(&self) -> String {

@@ -258,7 +258,11 @@ impl AnnotatedClasses {
             (Self::EveryObject, _) => true,
             (Self::Only(_), Task::Objects) => false,
             (Self::Only(classes), Task::Vehicles) => classes.contains(&AnnotationClass::Car),
-            (Self::Only(classes), Task::Class(class)) => classes.contains(&class),
+            (Self::Only(classes), Task::Class(class)) => {
+                let of_it = AnnotationClass::ALL.into_iter().filter(|it| class.includes(*it));
+                let mut of_it = of_it.peekable();
+                classes.contains(&class) || of_it.peek().is_some() && of_it.all(|it| classes.contains(&it))
+            }
         }
     }
 }

@@ -68,7 +68,7 @@ impl Argoverse2Tables {
         for path in paths {
             tables.add(path, &scans, &mut left_over, &mut classes)?;
         }
-        classes.unknown().refuse(&root.display().to_string())?;
+        classes.unknown().refuse_results(&root.display().to_string())?;
         Ok(OpenResults::new(tables, left_over.into_iter().collect()))
     }
 

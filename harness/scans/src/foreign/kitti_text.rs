@@ -53,7 +53,7 @@ impl KittiText {
                 taken.insert(path);
             }
         }
-        reader.unknown().refuse(&files.root().display().to_string())?;
+        reader.unknown().refuse_results(&files.root().display().to_string())?;
         let of_scans = files.of_scans(of.dataset, ENDING);
         taken.extend(of_scans.values().map(PathBuf::as_path));
         let files_left_over = files.left_over(ENDING, &taken);
@@ -66,7 +66,7 @@ impl KittiText {
     fn labels_of_file(&self, path: &Path) -> Result<Vec<KittiLabel>, DatasetError> {
         let mut reader = ClassReader::new(&self.classes, KITTI_VOCABULARY);
         let labels = parse_object_labels(path, &read_text_file(path)?, &mut reader)?;
-        reader.unknown().refuse(&path.display().to_string())?;
+        reader.unknown().refuse_results(&path.display().to_string())?;
         Ok(labels)
     }
 

@@ -72,7 +72,7 @@ impl NuScenesJson {
             return Err(damaged("is not a submission of nuScenes: it has no \"results\"".to_owned()));
         }
         let Submission { found, left_over, .. } = submission;
-        classes.unknown().refuse(&path.display().to_string())?;
+        classes.unknown().refuse_results(&path.display().to_string())?;
         let oddities = too_many_boxes(found.values().map(|it| it.boxes.len())).into_iter().collect();
         Ok(OpenResults { oddities, ..OpenResults::new(Self { found }, left_over) })
     }

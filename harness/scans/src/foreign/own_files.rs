@@ -105,7 +105,7 @@ fn read_file(path: &Path, n_in_file: usize, rules: &ClassRules) -> Result<Part, 
     }
     let mut classes = ClassReader::new(rules, VOCABULARY);
     let part = parse_csv(&bytes, path, &mut classes).map_err(damaged)?;
-    classes.unknown().refuse(&path.display().to_string())?;
+    classes.unknown().refuse_results(&path.display().to_string())?;
     match &part {
         Part::Clusters(clusters) if clusters.len() != n_in_file => {
             Err(DatasetError::label_count(path, clusters.len(), n_in_file))

@@ -157,7 +157,7 @@ impl RecordedDetections {
                 is_unlikely: false,
             }));
         }
-        classes.unknown().refuse(&self.name)?;
+        classes.unknown().refuse_results(&self.name)?;
         Ok(boxes)
     }
 }

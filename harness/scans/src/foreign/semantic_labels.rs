@@ -48,7 +48,7 @@ impl ResultReader for SemanticLabels {
         let labels = read_labels_of_kept(path, scan)?;
         let mut classes = ClassReader::new(&self.classes, &[]);
         let found = clusters_of(&labels, path, &mut classes);
-        classes.unknown().refuse(&path.display().to_string())?;
+        classes.unknown().refuse_results(&path.display().to_string())?;
         Ok(Some(ForeignDetections { point_labels: Some(labels), ..found }))
     }
 }

@@ -32,6 +32,22 @@ pub fn compare(layout: &RecordingLayout<'_>, properties: &mut Vec<Property>) -> 
     Vertical::new([scenes, below]).with_row_shares(vec![2.9, 1.0]).with_name("compare detectors").into()
 }
 
+/// Two runs side by side, and below them what changed, in words.
+pub fn changes(layout: &RecordingLayout<'_>, properties: &mut Vec<Property>) -> ContainerLike {
+    let scenes: Vec<ContainerLike> = layout
+        .detectors
+        .iter()
+        .map(|it| outcomes(layout, it, entity_paths::SENSOR, Eye::OVER, properties))
+        .collect();
+    let lists = layout.detectors.iter().rev().take(1);
+    let mut below: Vec<ContainerLike> =
+        lists.map(|it| lines("pointed at, in words", &it.detector, layout, properties)).collect();
+    below.push(drawn_legend(entity_paths::LEGEND_OUTCOMES, properties));
+    let below = Horizontal::new(below).with_column_shares(vec![2.6, 1.0]);
+    let rows: [ContainerLike; 2] = [Horizontal::new(scenes).into(), below.into()];
+    Vertical::new(rows).with_row_shares(vec![2.9, 1.0]).with_name("side by side").into()
+}
+
 /// Outcomes of a detector, in `frame`; its stage products are one click away.
 pub fn outcomes(
     layout: &RecordingLayout<'_>,
@@ -148,7 +164,17 @@ pub fn mistakes(
     detector: &str,
     properties: &mut Vec<Property>,
 ) -> ContainerLike {
-    let view: ContainerLike = TextLogView::new(format!("{detector}: missed and false"))
+    lines(&format!("{detector}: missed and false"), detector, layout, properties)
+}
+
+/// The lines that a detector has in the shown task, as a list with this title.
+fn lines(
+    title: &str,
+    detector: &str,
+    layout: &RecordingLayout<'_>,
+    properties: &mut Vec<Property>,
+) -> ContainerLike {
+    let view: ContainerLike = TextLogView::new(title)
         .with_origin(entity_paths::mistakes(detector, layout.opening.shown_task))
         .into();
     let body = datatypes::TextLogColumn { visible: true.into(), kind: TextLogColumnKind::Body };

@@ -1,11 +1,13 @@
 //! How a recording opens: tabs for figures and three tasks, of which one is in front.
 
 use re_sdk_types::blueprint::components::{PanelState, PlayState};
-use rerun::blueprint::{Blueprint, BlueprintActivation, BlueprintPanel, SelectionPanel, Tabs, TimePanel};
+use rerun::blueprint::{
+    Blueprint, BlueprintActivation, BlueprintPanel, ContainerLike, SelectionPanel, Tabs, TimePanel,
+};
 use rerun::external::re_log_types::{BlueprintActivationCommand, LogMsg};
 use rerun::{RecordingStream, RecordingStreamBuilder};
 
-use self::compare::{compare, drive};
+use self::compare::{changes, compare, drive};
 use self::scene::Property;
 use self::stages::{figures, stages};
 use super::error::StreamError;
@@ -39,6 +41,10 @@ pub fn send_blueprint(
     layout: &RecordingLayout<'_>,
 ) -> Result<(), StreamError> {
     let mut properties = Vec::new();
+    if layout.opening.first_tab == FirstTab::Changes {
+        let changes = changes(layout, &mut properties);
+        return send(stream, application_id, &plain_blueprint(changes, layout), &properties);
+    }
     let mut tabs: Vec<_> = figures(layout, &mut properties).into_iter().collect();
     let n_figures = tabs.len();
     tabs.push(compare(layout, &mut properties));
@@ -49,16 +55,20 @@ pub fn send_blueprint(
     let front = match layout.opening.first_tab {
         FirstTab::Stages if !layout.detectors.is_empty() => n_figures + 1,
         FirstTab::Drive if layout.opening.has_poses => tabs.len() - 1,
-        FirstTab::Compare | FirstTab::Stages | FirstTab::Drive => 0,
+        FirstTab::Compare | FirstTab::Changes | FirstTab::Stages | FirstTab::Drive => 0,
     };
     tabs.rotate_left(front);
-    let blueprint = Blueprint::new(Tabs::new(tabs))
+    send(stream, application_id, &plain_blueprint(Tabs::new(tabs), layout), &properties)
+}
+
+/// `content` with the time below it, and no other panels.
+fn plain_blueprint(content: impl Into<ContainerLike>, layout: &RecordingLayout<'_>) -> Blueprint {
+    Blueprint::new(content)
         .with_auto_views(false)
         .with_auto_layout(false)
         .with_blueprint_panel(BlueprintPanel::from_state(PanelState::Hidden))
         .with_selection_panel(SelectionPanel::from_state(PanelState::Hidden))
-        .with_time_panel(time_panel(layout));
-    send(stream, application_id, &blueprint, &properties)
+        .with_time_panel(time_panel(layout))
 }
 
 /// Sends `blueprint` with `properties` of its views along `stream`.

@@ -32,6 +32,9 @@ impl Eye {
     /// Above and behind the car, looking forward.
     pub const BEHIND: Self =
         Self { position_m: [-15.5, 0.0, 13.5], look_target_m: [10.0, 0.0, -1.0], follows: false };
+    /// So high that the whole neighbourhood is in sight, also behind the car.
+    pub const OVER: Self =
+        Self { position_m: [-30.0, 0.0, 36.0], look_target_m: [0.0, 0.0, -1.0], follows: false };
     /// Nearer, for small views.
     pub const NEAR: Self =
         Self { position_m: [-6.0, 0.0, 9.5], look_target_m: [9.0, 0.0, -1.5], follows: false };

@@ -4,6 +4,8 @@ use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
 use re_sdk_types::archetypes::Clear;
+use reports::verdicts::change::ChangeKind;
+use reports::vocabulary::task::Task;
 use rerun::log::ChunkBatcherConfig;
 use rerun::sink::LogSink;
 use rerun::{EntityPath, RecordingStream, RecordingStreamBuilder};
@@ -12,7 +14,7 @@ use scans::annotation::LabeledScan;
 use super::blueprint::{RecordingLayout, send_blueprint};
 use super::drawn_points::{DrawnPoints, PointChoice};
 use super::error::StreamError;
-use super::log_outcomes::{log_mistakes, log_outcomes};
+use super::log_outcomes::{log_changes, log_mistakes, log_outcomes};
 use super::log_products::log_products;
 use super::log_scan::{log_pose, log_scan, log_title};
 use super::log_scores::log_scores;
@@ -238,6 +240,20 @@ impl Stream {
             self.lay_out()?;
         }
         Ok(())
+    }
+
+    /// Logs the changes that the side `name` of the last scan shows, in words.
+    ///
+    /// # Errors
+    ///
+    /// [`StreamError`] if Rerun refuses.
+    pub fn log_changes(
+        &self,
+        name: &str,
+        task: Task,
+        lines: &[(Option<ChangeKind>, String)],
+    ) -> Result<(), StreamError> {
+        log_changes(&self.recording, name, task, lines)
     }
 
     /// Writes the end of the file and waits, within limits, until the viewer has everything.

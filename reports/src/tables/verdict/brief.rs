@@ -99,9 +99,10 @@ impl Brief<'_> {
             }
             (n_lost, _) => {
                 let at = scan_address(dataset, sequence, *scan);
-                let [run, at, detector] = [self.sides[0], &at, detector].map(shell_word);
+                let [run, baseline] = self.sides;
+                let [run, baseline, at, detector] = [run, baseline, &at, detector].map(shell_word);
                 format!(
-                    "Most objects lost ({n_lost}): scanbench view {run} --at {at} -d {detector} --task {task}"
+                    "Most objects lost ({n_lost}): scanbench view {baseline} {run} --at {at} -d {detector} --task {task}"
                 )
             }
         })

@@ -16,8 +16,9 @@ use crate::tables::verdict::wording::{
     DETECTABLE, about_configuration, about_differences, difference_text, interval_cell, least_effect_text,
     metric_text, value_text,
 };
-use crate::uncertainty::sample::Question;
+use crate::uncertainty::sample::{Question, Sample};
 use crate::verdicts::change::{ChangeKind, in_words, n_of_kinds};
+use crate::verdicts::classes_of_both::with_classes_of_both;
 use crate::verdicts::comparability::{
     NotComparable, check_comparable, configuration_changes, detectors_only_in,
 };
@@ -33,6 +34,7 @@ use crate::verdicts::protocol_differences::{
 use crate::vocabulary::metric::Metric;
 use crate::vocabulary::slice::Slice;
 use crate::vocabulary::study::Study;
+use crate::vocabulary::task::Task;
 
 /// A comparison of two runs or two detectors, and its result.
 #[derive(Debug, Clone, PartialEq)]
@@ -76,7 +78,7 @@ pub enum ComparedSlices {
     Each,
 }
 
-/// Compares two runs over the same scans, over all data sets of one origin together.
+/// Compares two runs over the same scans, over all data sets of one origin together: all detectors, or `only` these.
 ///
 /// # Errors
 ///
@@ -85,11 +87,16 @@ pub fn compare_runs(
     before: &RunArchive,
     after: &RunArchive,
     slices: ComparedSlices,
+    only: Option<&[String]>,
 ) -> Result<Comparison, NotComparable> {
-    check_comparable(before, after)?;
+    let sides = [before.clone(), after.clone()].map(|it| of_detectors(it, only));
+    check_comparable(&sides[0], &sides[1])?;
+    let [before, after] = &with_classes_of_both(sides);
     let tallies = [before.tally(), after.tally()];
     let [tally, tally_after] = &tallies;
-    let pairs: Vec<_> = tally.detectors().iter().map(|it| (it.clone(), [it.as_str(); 2])).collect();
+    let is_asked = |it: &&String| only.is_none_or(|only| only.contains(it));
+    let asked = tally.detectors().iter().filter(is_asked);
+    let pairs: Vec<_> = asked.map(|it| (it.clone(), [it.as_str(); 2])).collect();
     let mut differences = differences([(before, tally), (after, tally_after)], &pairs, slices);
     differences.extend(named(differences_of_results(&before.objects, &after.objects)));
     let drift = drift(before, after);
@@ -102,6 +109,17 @@ pub fn compare_runs(
         configuration_changes: configuration_changes(before, after),
         new_detectors: detectors_only_in(after, before),
     })
+}
+
+/// The rows of these detectors of `run`; all where none are named.
+fn of_detectors(mut run: RunArchive, only: Option<&[String]>) -> RunArchive {
+    if let Some(only) = only {
+        run.scans.retain(|it| only.contains(&it.detector));
+        run.matches.retain(|it| only.contains(&it.detector));
+        run.manifest.detectors.retain(|it| only.contains(&it.name));
+        run.objects.retain(|it| only.iter().any(|name| name == it.method()));
+    }
+    run
 }
 
 /// Compares detector `second` of `run` with detector `first`, over all data sets of one origin together; or two methods.
@@ -158,8 +176,9 @@ fn differences(
                         sides[side].1.sample(&question, &draws)
                     };
                     let [Some(before), Some(after)] = [0, 1].map(sample) else { continue };
-                    let ratios = Metric::of_sums().filter(Metric::is_ratio);
-                    let of_metrics = ratios.filter_map(|it| paired_difference(&before, &after, &it));
+                    let of_metrics = compared_metrics(task, slices, &before, &after);
+                    let of_metrics =
+                        of_metrics.into_iter().filter_map(|it| paired_difference(&before, &after, &it));
                     let task = about(task.name(), on.as_deref());
                     differences.extend(of_metrics.map(|difference| {
                         let (task, detector, slice) = (task.clone(), name.clone(), slice.name());
@@ -181,6 +200,21 @@ fn differences(
         }
     }
     differences
+}
+
+/// The ratios of a task; of a class the rates alone unless slices are asked for, too, and false detections where no
+/// annotation counts.
+fn compared_metrics(task: Task, slices: ComparedSlices, before: &Sample, after: &Sample) -> Vec<Metric> {
+    let rates = [Metric::Precision, Metric::Recall, Metric::FRate];
+    let mut metrics: Vec<Metric> = Metric::of_sums().filter(Metric::is_ratio).collect();
+    if task.class().is_some() {
+        metrics.retain(|it| slices == ComparedSlices::Each || rates.contains(it));
+        let has_annotations = |it: &Sample| it.value(&Metric::No).is_some_and(|it| it > 0.0);
+        if ![before, after].into_iter().any(has_annotations) {
+            metrics.push(Metric::Fo);
+        }
+    }
+    metrics
 }
 
 fn about_data(run: &RunArchive, tally: &Tally) -> String {

@@ -21,6 +21,7 @@ use crate::verdicts::rule_problems::RuleProblems;
 use crate::verdicts::tolerances::{DriftRule, Tolerances};
 use crate::vocabulary::extent::OVERALL;
 use crate::vocabulary::named::named;
+use crate::vocabulary::task::Task;
 
 /// How often the whole 95 % interval of a difference lies on the worse side of the truth.
 const FALSE_ALARM_RISK: f64 = 0.025;
@@ -243,6 +244,8 @@ fn verdict(baseline: &RunArchive, run: &RunArchive, tolerances: &Tolerances) -> 
         speed_not_compared.map(|_| format!("the processor changed from {old:?} to {new:?}"));
     let speeds = rule.filter(|_| old == new).map_or_else(Vec::new, |it| sides.gated_speeds(it));
     let (detectors, n_scans) = judged(baseline, &before);
+    let mut doubts = run.manifest.doubts_in_words();
+    doubts.extend(classes_without_rule([&before, &after], &metrics));
     Ok(Verdict {
         dataset: dataset(baseline, &before),
         detectors,
@@ -254,11 +257,33 @@ fn verdict(baseline: &RunArchive, run: &RunArchive, tolerances: &Tolerances) -> 
         speed_not_compared,
         claims: changed_claims(&baseline.claims, &run.claims),
         drift: drift(baseline, run),
-        doubts: run.manifest.doubts_in_words(),
+        doubts,
         configuration_changes: configuration_changes(baseline, run),
         new_detectors: detectors_only_in(run, baseline),
         tolerances: tolerances.clone(),
     })
+}
+
+/// Classes that the later run gives falsely more or less often than the earlier one, and that no number of `gated` is about.
+fn classes_without_rule([before, after]: [&Tally; 2], gated: &[GatedMetric]) -> Vec<String> {
+    let n_false = |tally: &Tally, task: Task, detector: &str| {
+        let of_pools = tally.pools().into_iter();
+        let of_pools = of_pools.filter_map(|it| tally.counts(it.extent.name(), task, detector)?.fo());
+        of_pools.sum::<u64>()
+    };
+    let mut sentences = Vec::new();
+    for task in after.tasks().iter().copied().filter(|it| it.class().is_some()) {
+        for detector in before.detectors() {
+            let is_gated = gated.iter().any(|it| it.task == task.name() && it.detector == *detector);
+            let [old, new] = [before, after].map(|it| n_false(it, task, detector));
+            if !is_gated && old != new {
+                sentences.push(format!(
+                    "No rule is about the class {task}, which {detector} gives falsely {new} times, and gave {old} times."
+                ));
+            }
+        }
+    }
+    sentences
 }
 
 /// The data sets of the numbers of `run`.

@@ -28,8 +28,8 @@ pub struct MatchingParams {
 ///
 /// `annotated` decides whether a detection that matches nothing is known to be false. Every point of a detection must
 /// be a point of the scan; it may be one of several detections. The order of the detections does not matter: between
-/// equally good pairs `detection_ranks` decide. Unmatched detections may find tall annotations by the same criterion;
-/// both are then ignored.
+/// equally good pairs `detection_ranks` decide. Unmatched detections may find ignored annotations by the same criterion, tall
+/// ones first; both are then ignored.
 ///
 /// Paper: HG section 5; ignored regions as in the KITTI evaluation.
 pub fn assign(
@@ -56,13 +56,28 @@ pub fn assign(
     let may_find_tall =
         |pair: &AdmissiblePair| is_left_over[pair.detection_idx] && exclusions[pair.annotation_idx] == tall;
     let found_tall = match_by_rank(&admissible, &ranks, may_find_tall);
+    for pair in &found_tall {
+        is_left_over[pair.detection_idx] = false;
+    }
+    let is_ignored = |annotation_idx: usize| {
+        matches!(exclusions[annotation_idx], Some(AnnotationOutcome::Ignored(_)))
+            && exclusions[annotation_idx] != tall
+    };
+    let may_find_ignored =
+        |pair: &AdmissiblePair| is_left_over[pair.detection_idx] && is_ignored(pair.annotation_idx);
+    let found_ignored = match_by_rank(&admissible, &ranks, may_find_ignored);
 
     let scene = Scene { scan, detections, task, is_asked, overlap, exclusions, admissible };
     let assignment = Assignment {
         task,
         criterion: params.criterion.kind(),
         annotations: scene.annotation_outcomes(&matched),
-        detections: scene.detection_outcomes(&matched, &found_tall, annotated, &params.eligibility),
+        detections: scene.detection_outcomes(
+            &matched,
+            &[&found_tall[..], &found_ignored].concat(),
+            annotated,
+            &params.eligibility,
+        ),
         found_tall: found_tall.into_iter().map(found_tall_of).collect(),
     };
     match params.eligibility.only {
@@ -159,7 +174,7 @@ impl Scene<'_> {
     fn detection_outcomes(
         &self,
         matched: &[AdmissiblePair],
-        found_tall: &[AdmissiblePair],
+        found_ignored: &[AdmissiblePair],
         annotated: &AnnotatedClasses,
         params: &EligibilityParams,
     ) -> Vec<DetectionOutcome> {
@@ -168,7 +183,7 @@ impl Scene<'_> {
             let outcome = DetectionOutcome::Matched { annotation_idx: pair.annotation_idx, cost: pair.cost };
             found[pair.detection_idx] = Some(outcome);
         }
-        for pair in found_tall {
+        for pair in found_ignored {
             let outcome = DetectionOutcome::Ignored(IgnoredDetection::OnIgnoredAnnotation);
             found[pair.detection_idx] = Some(outcome);
         }
@@ -308,6 +323,21 @@ mod tests {
         check(&half, Task::Objects, &["0 at 0.50"], &["0 at 0.50"]);
         let less = street(&[(Car, 0..40)], &[(Vehicle, 21..40)]);
         check(&less, Task::Objects, &["missed: partly found"], &["false: fragment"]);
+    }
+
+    #[test]
+    fn each_ignored_annotation_may_be_found_by_one_detection_whatever_else_is_in_its_box() {
+        // A car of too few points; the detections have more of the tree behind it.
+        let street = street(&[(Car, 0..10), (Tree, 10..60)], &[(Vehicle, 0..25), (Vehicle, 0..30)]);
+        let params = standard(Criterion::Centre { max_distance_m: 1.2 });
+        let (annotations, detections) = street.judge_by(Task::Objects, &EVERYTHING, params);
+        assert_eq!(annotations[0], "ignored: too few points");
+        assert_eq!(detections[0], "ignored: on ignored annotation");
+        assert!(detections[1].starts_with("false"), "{detections:?}");
+        let (_, vehicles) = street.judge_by(Task::Vehicles, &EVERYTHING, params);
+        assert_eq!(vehicles[0], "ignored: on ignored annotation");
+        let (_, by_points) = street.judge(Task::Objects, &EVERYTHING);
+        assert!(by_points.iter().all(|it| it.starts_with("false")), "{by_points:?}");
     }
 
     #[test]

@@ -79,6 +79,7 @@ fn schema_of_class() -> Json {
         "properties": {
             "group": {"enum": ClassGroup::ALL},
             "names": words("Other names for it, in labels and of detectors"),
+            "whole_group": {"type": "boolean", "description": "Whether it stands for every class of its group", "default": false},
             "may_be_tall": {"type": "boolean", "description": "Whether the task objects ignores one that is tall"},
             "may_be_vehicle": {"type": "boolean", "description": "Whether the task vehicles ignores it", "default": false},
             "written": {

@@ -54,6 +54,8 @@ pub struct RecordingPlan<'a> {
     pub has_poses: bool,
     /// Whether it opens at its first scan, and not at the last.
     pub at_the_start: bool,
+    /// Whether it is of changes between two runs.
+    pub shows_changes: bool,
     /// Figures that have a tab of their own.
     pub figures: &'static [FigureView],
 }
@@ -83,6 +85,7 @@ pub fn begin_recording(
         n_scans,
         has_poses: datasets.iter().any(OpenedDataset::has_poses),
         at_the_start: false,
+        shows_changes: false,
         figures,
     })?;
     Ok(recorder.map(|it| (it, u64::from(arguments.every(n_scans)))))

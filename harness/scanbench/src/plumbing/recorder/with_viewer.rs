@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use evaluation::partial::growth::Growth;
-use evaluation::run::scan_recorder::{RecordedScan, RecordingEnding, ScanRecorder};
+use evaluation::run::scan_recorder::{ChangedScan, RecordedScan, RecordingEnding, ScanRecorder};
 use evaluation::sweep::quality_pass::SweptDataset;
 use evaluation::sweep::sweep_plan::SweepPlan;
 use reports::numbers::sweep_score::SweepScores;
@@ -48,6 +48,7 @@ pub fn begin(plan: &RecordingPlan<'_>) -> Result<Option<Recorder>, Failure> {
     let opening = Opening {
         shown_task: plan.shown_task,
         first_tab: match arguments.blueprint {
+            _ if plan.shows_changes => FirstTab::Changes,
             TabName::Compare => FirstTab::Compare,
             TabName::Stages => FirstTab::Stages,
             TabName::Drive => FirstTab::Drive,
@@ -88,6 +89,10 @@ impl ScanRecorder for Recorder {
 
     fn record(&mut self, recorded: &RecordedScan<'_>) -> Result<Option<String>, Failure> {
         Ok(self.0.record(recorded)?)
+    }
+
+    fn record_change(&mut self, changed: &ChangedScan<'_>) -> Result<(), Failure> {
+        Ok(self.0.record_change(changed)?)
     }
 
     fn finish(self) -> Result<RecordingEnding, Failure> {

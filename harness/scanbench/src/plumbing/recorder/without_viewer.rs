@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use evaluation::partial::growth::Growth;
-use evaluation::run::scan_recorder::{RecordedScan, RecordingEnding, ScanRecorder};
+use evaluation::run::scan_recorder::{ChangedScan, RecordedScan, RecordingEnding, ScanRecorder};
 use evaluation::sweep::quality_pass::SweptDataset;
 use evaluation::sweep::sweep_plan::SweepPlan;
 use reports::numbers::sweep_score::SweepScores;
@@ -41,6 +41,10 @@ impl ScanRecorder for Recorder {
     type Error = Failure;
 
     fn record(&mut self, _: &RecordedScan<'_>) -> Result<Option<String>, Failure> {
+        match *self {}
+    }
+
+    fn record_change(&mut self, _: &ChangedScan<'_>) -> Result<(), Failure> {
         match *self {}
     }
 

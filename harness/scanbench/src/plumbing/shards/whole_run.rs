@@ -1,6 +1,5 @@
 //! A run, or a study that is one, made of its rows: in one piece, or of the events of its shards.
 
-use evaluation::metrics::counts::SCORING_VERSION;
 use reports::facts::gathered_run::Surroundings;
 use reports::facts::run_facts::{BesideRows, RunFacts};
 use reports::numbers::tally::Tally;
@@ -104,7 +103,7 @@ impl WholeRun {
         };
         more.extend(write_agreement(directory, &agreement)?);
         let draws = gathered.tally.draw();
-        let report = gathered.tally.report(SCORING_VERSION, &draws)?;
+        let report = gathered.tally.report(manifest.scoring_version, &draws)?;
         let has_recording = directory.path_of(RUN_RRD).is_file();
         let beside = BesideRows { points: Some(points), recordings, protocols, agreement, has_recording };
         let facts = RunFacts::of(gathered, beside, manifest, report, &draws)?;

@@ -49,7 +49,7 @@ impl WholeResult for WholeSweep {
         progress.finish_and_clear();
         rows.finish()?;
         let drawn = tally.draw();
-        directory.write_file(REPORT_JSON, drawn.report()?.to_json().as_bytes())?;
+        directory.write_file(REPORT_JSON, drawn.report(manifest.scoring_version)?.to_json().as_bytes())?;
         let scores = drawn.summary();
         refuse_nothing(&scores)?;
         let mut printed = write_sweep(directory, &scores)?;

@@ -96,7 +96,7 @@ fn unknown_names_are_listed_at_once_and_mapped_in_every_format() {
         // One of the two is not enough, and both are still said where both are missing.
         let ended = workplace.end_with(&["data", "check", data, "--class", "fork lift=truck"], 2, &[]);
         assert!(
-            ended.stderr.contains("have 1 unknown classes:") && !ended.stderr.contains("fork"),
+            ended.stderr.contains("have 1 unknown class:") && !ended.stderr.contains("fork"),
             "{data}: {ended:#?}"
         );
     }

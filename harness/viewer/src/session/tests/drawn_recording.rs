@@ -136,7 +136,7 @@ pub fn options(folder: &Path, viewer: ViewerChoice) -> StreamOptions {
 /// Logs `scan` at its index, one metre further on than the one before.
 pub fn log_scan(stream: &mut Stream, scan: &LabeledScan) -> Result<(), StreamError> {
     let world_from_sensor = Some(Isometry3::translation(f64::from(scan.id.index), 0.0, 0.0));
-    let marks = [Mark { position_m: [2.0, 3.0], text: "worst 1".to_owned() }];
+    let marks = [Mark { position_m: [2.0, 3.0], text: "worst 1".to_owned(), change: None }];
     let (step, drive_m) = (scan.id.index.into(), &[[0.0; 3], [1.0; 3]]);
     stream.log_scan(&ScanView { scan, step, marks: &marks, world_from_sensor, drive_m })
 }

@@ -4,6 +4,7 @@ use super::*;
 use crate::run_folder::manifest::{DetectorEntry, ForeignEntry};
 use crate::tables::verdict::brief::{Brief, Purpose};
 use crate::tables::verdict::comparison::{ComparedSlices, compare_runs};
+use crate::verdicts::classes_of_both::with_classes_of_both;
 
 /// The usual run, whose only entry is a foreign `pca`.
 fn with_foreign(foreign: ForeignEntry) -> RunArchive {
@@ -27,7 +28,7 @@ fn a_detector_that_was_not_run_everywhere_is_not_comparable() {
     // A new detector has nothing to be judged by, and is named.
     let verdict = judge(&run, &USUAL.archive(), &tolerances()).unwrap();
     check_holds(&printed(&verdict), "Not judged, because only the later run has it: pca.");
-    let comparison = compare_runs(&run, &USUAL.archive(), ComparedSlices::All).unwrap();
+    let comparison = compare_runs(&run, &USUAL.archive(), ComparedSlices::All, None).unwrap();
     check_holds(&printed(&comparison), "Not compared, because only the later run has it: pca.");
 }
 
@@ -38,7 +39,7 @@ fn a_changed_configuration_is_reported_with_both_values() {
     let verdict = judge(&before, &after, &tolerances()).unwrap();
     let purpose = Purpose::Gate { in_full: "gate --full" };
     let brief = Brief { verdict: &verdict, sides: ["run", "baseline"], purpose };
-    let comparison = compare_runs(&before, &after, ComparedSlices::All).unwrap();
+    let comparison = compare_runs(&before, &after, ComparedSlices::All, None).unwrap();
     for text in [printed(&verdict), printed(&brief), printed(&comparison)] {
         check_holds(&text, "Configuration changed: pca: vehicles: size → model.");
     }
@@ -76,6 +77,41 @@ fn results_of_other_files_are_gated_and_the_files_counted() {
     let mut worse = SampleScans { tp_of: &|step| seven_or_five(step) - 1, ..USUAL }.archive();
     worse.manifest = with("b").manifest;
     assert_eq!(judge(&with("a"), &worse, &tolerances()).unwrap().conclusion(), Conclusion::Regression);
-    let comparison = compare_runs(&with("a"), &with("b"), ComparedSlices::All).unwrap();
+    let comparison = compare_runs(&with("a"), &with("b"), ComparedSlices::All, None).unwrap();
     check_holds(&printed(&comparison), said);
+}
+
+#[test]
+fn what_a_side_does_not_give_it_has_missed() {
+    let tram = Task::Class(AnnotationClass::Tram);
+    let plain = USUAL.archive();
+    // `pca` gives trams falsely in every third scan, and misses one in every scan.
+    let mut given = plain.clone();
+    let of_pca = plain.scans.iter().filter(|it| it.detector == "pca");
+    given.scans.extend(of_pca.map(|row| {
+        let counts = Counts::new(1, 0, Some(u64::from(row.scan % 3 == 0))).unwrap();
+        let outcome = ScanOutcome::Evaluated(ScanNumbers::of_counts(counts));
+        ScanRow { task: tram, outcome, ..row.clone() }
+    }));
+    given.matches.extend((0..30).map(|scan| MatchRow { task: tram, ..missed("pca", scan, 9) }));
+    let counts = |run: &RunArchive| -> Vec<[Option<u64>; 3]> {
+        let of_trams = run.scans.iter().filter(|it| it.task == tram).filter_map(ScanRow::numbers);
+        of_trams.map(|it| [Some(it.counts.no()), Some(it.counts.tp()), it.counts.fo()]).collect()
+    };
+    for (sides, filled) in [([&plain, &given], 0), ([&given, &plain], 1)] {
+        let both = with_classes_of_both(sides.map(RunArchive::clone));
+        assert_eq!(counts(&both[filled]), [[Some(1), Some(0), Some(0)]; 30]);
+        assert_eq!(both[1 - filled].scans, given.scans);
+        let reasons = both[filled].matches.iter().filter(|it| it.task == tram).map(|it| &it.outcome);
+        let as_among_objects =
+            |it: &MatchOutcome| matches!(it, MatchOutcome::Missed { reason: MissReason::Split, .. });
+        assert!(reasons.clone().count() == 30 && reasons.into_iter().all(as_among_objects));
+        assert!(judge(&both[0], &both[1], &tolerances()).is_ok());
+    }
+    let [same, _] = with_classes_of_both([plain.clone(), plain.clone()]);
+    assert_eq!(same.scans, plain.scans);
+    // A detector that only the other side has is not asked.
+    let mut alone = plain;
+    alone.scans.retain(|it| it.detector != "pca");
+    assert_eq!(counts(&with_classes_of_both([alone, given])[0]), [[None; 3]; 0]);
 }

@@ -103,7 +103,7 @@ fn rules_may_be_about_single_steps_and_methods() {
 
 #[test]
 fn two_results_stand_side_by_side() {
-    let comparison = compare_runs(&result(40), &result(35), ComparedSlices::All).unwrap();
+    let comparison = compare_runs(&result(40), &result(35), ComparedSlices::All, None).unwrap();
     let text = Markdown.text(&comparison);
     check_holds(
         &text,
