@@ -12,7 +12,9 @@ fn a_detector_that_is_added_has_the_rows_that_it_would_have_had_from_the_start()
     let run = ["run", "street", "--protocol", "nuscenes", "--no-rrd"];
     workplace.succeed(&(&run, "-d pca,simple-grid -o whole"));
     workplace.succeed(&(&run, "-d pca -o part"));
+    workplace.write("part/verdict/notes.txt", "of the user");
     let added = workplace.succeed("run --add-to part -d simple-grid");
+    workplace.check_file("part/verdict/notes.txt", &["of the user"]);
     added.check_stdout(&["pca", "simple-grid"]);
     for name in TIMELESS {
         assert_eq!(
@@ -45,6 +47,7 @@ fn what_was_judged_otherwise_is_not_added() {
     workplace.refuse("run --add-to part", 2, &["name the detectors that join the run"]);
     workplace.refuse("run --add-to part -d pca", 2, &["has the detector pca already"]);
     workplace.refuse("run --add-to nowhere -d simple-grid", 2, &["there is no run directory nowhere"]);
+    workplace.refuse("run --add-to part -d simple-grid --repeats 5", 2, &["cannot be used with"]);
     workplace.refuse("run street --add-to part -d simple-grid", 2, &["cannot be used with"]);
     workplace.write("scanbench.toml", "[matching]\nmin_points = 30\n");
     workplace.refuse(

@@ -9,6 +9,7 @@ use reports::files::archive::ArchiveError;
 use reports::files::csv_rows::{CsvRow, read_rows};
 use reports::files::hidden_folder::HiddenFolder;
 use reports::files::new_file::add_name;
+use reports::files::new_folders::NewFolders;
 use reports::rows::kitti_object_row::KittiObjectRow;
 use reports::rows::label_score_row::LabelScoreRow;
 use reports::rows::match_row::MatchRow;
@@ -34,6 +35,7 @@ use crate::plumbing::open_run::open_run;
 use crate::plumbing::shards::run_event::{RunEvent, ScanEvent};
 use crate::plumbing::shards::run_rows::RunRows;
 use crate::plumbing::shards::whole_run::WholeRun;
+use crate::plumbing::standard_streams::print_diagnostic;
 use crate::verbs::run::ending::print_ending;
 use crate::verbs::run::made::made_run;
 
@@ -82,6 +84,7 @@ pub fn add_to(base: &Path, arguments: &RunArgs) -> Result<(), Failure> {
         rows.add(&event, 0)?;
     }
     let whole = WholeRun::in_one_piece(Study::Run, rows, &manifest, &directory)?;
+    keep_the_rest(base, directory.folder())?;
     let finished = directory.finish()?;
     print_ending(&whole, &finished)
 }
@@ -167,30 +170,47 @@ fn joined(mut before: Manifest, after: Manifest) -> Manifest {
     before
 }
 
-/// Keeps the recordings of both: the second has the names of its detectors.
+/// Keeps the recordings of both, and says where that of the second is: it has the name of its last detector.
 fn keep_recordings(
     base: &Path,
     added: &Path,
     manifest: &Manifest,
     directory: &RunDirectory,
 ) -> Result<(), Failure> {
-    let keep = |from: &Path, name: &str| -> Result<(), Failure> {
-        let path = directory.path_of(name);
-        Ok(add_name(from, &path).map_err(|source| ArchiveError::Write { path, source })?)
-    };
-    let entries = std::fs::read_dir(base).map_err(|error| Failure::damaged_run(base, error))?;
-    for entry in entries {
-        let entry = entry.map_err(|error| Failure::damaged_run(base, error))?;
-        let (path, name) = (entry.path(), entry.file_name().to_string_lossy().into_owned());
-        if path.is_file() && path.extension().is_some_and(|it| it == "rrd" || it == "mcap") {
-            keep(&path, &name)?;
-        }
+    let recording = base.join(RUN_RRD);
+    if recording.is_file() {
+        keep(&recording, &directory.path_of(RUN_RRD))?;
     }
     let recording = added.join(RUN_RRD);
     if let Some(last) = manifest.detectors.last().filter(|_| recording.is_file()) {
-        keep(&recording, &format!("run-{}.rrd", last.name))?;
+        let name = format!("run-{}.rrd", last.name);
+        keep(&recording, &directory.path_of(&name))?;
+        print_diagnostic(format_args!("Recording of what was added: {}", base.join(name).display()));
     }
     Ok(())
+}
+
+/// Keeps what lies in the folder `from` and is not made again in `to`, whoever put it there.
+fn keep_the_rest(from: &Path, to: &Path) -> Result<(), Failure> {
+    let refused = |error| Failure::damaged_run(from, error);
+    for entry in std::fs::read_dir(from).map_err(refused)? {
+        let entry = entry.map_err(refused)?;
+        let target = to.join(entry.file_name());
+        let kind = entry.file_type().map_err(refused)?;
+        if kind.is_dir() {
+            let made = NewFolders::create(&target);
+            // A folder that stays empty goes again.
+            let _folder = made.map_err(|source| ArchiveError::Write { path: target.clone(), source })?;
+            keep_the_rest(&entry.path(), &target)?;
+        } else if kind.is_file() && !target.exists() {
+            keep(&entry.path(), &target)?;
+        }
+    }
+    Ok(())
+}
+
+fn keep(from: &Path, path: &Path) -> Result<(), Failure> {
+    Ok(add_name(from, path).map_err(|source| ArchiveError::Write { path: path.to_owned(), source })?)
 }
 
 /// Rows of a file by the scan that they are of, in order.
