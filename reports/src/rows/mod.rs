@@ -8,6 +8,7 @@ pub mod match_outcome;
 pub mod match_row;
 pub mod confusion_row;
 pub mod error_row;
+pub mod suspect_row;
 pub mod box_row;
 pub mod cluster_of_point;
 pub mod training_row;

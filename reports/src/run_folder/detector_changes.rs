@@ -64,7 +64,7 @@ fn settings(entry: &DetectorEntry) -> BTreeMap<String, String> {
 }
 
 /// Adds the values of `parameters`, by their names joined with dots.
-fn add_values(name: &str, parameters: &Value, to: &mut BTreeMap<String, String>) {
+pub(crate) fn add_values(name: &str, parameters: &Value, to: &mut BTreeMap<String, String>) {
     match parameters {
         Value::Object(table) => {
             for (key, value) in table {

@@ -122,6 +122,11 @@ impl RunArchive {
         Ok(tally)
     }
 
+    /// The names of its detectors, in the order of its tables.
+    pub fn detector_names(&self) -> Vec<&str> {
+        self.manifest.detectors.iter().map(|it| it.name.as_str()).collect()
+    }
+
     /// Its sums.
     pub fn tally(&self) -> Tally {
         let mut tally = self.manifest.tally();

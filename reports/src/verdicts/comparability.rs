@@ -5,7 +5,7 @@ use std::fmt::Display;
 
 use crate::rows::partial_row::PartialRow;
 use crate::rows::scan_row::{ScanOutcome, ScanRow};
-use crate::run_folder::detector_changes::detector_changes;
+use crate::run_folder::detector_changes::{add_values, detector_changes};
 use crate::run_folder::manifest::{DatasetEntry, Manifest};
 use crate::run_folder::run_archive::RunArchive;
 use crate::verdicts::partial_differences::{CurveName, check_same_parts, rows_of_curves};
@@ -71,12 +71,15 @@ pub fn check_joinable(run: &RunArchive, added: &RunArchive) -> Result<(), NotCom
     compare("--warmup", &before.n_warmup_detections, &now.n_warmup_detections);
     let protocols = |it: &Manifest| it.protocols.iter().map(|it| it.name()).collect::<Vec<_>>().join(",");
     compare("--protocol", &protocols(before), &protocols(now));
-    if let (Some(before), Some(now)) = (before.config.as_object(), now.config.as_object()) {
+    let [old, new] = [before, now].map(|it| {
+        let mut values = BTreeMap::new();
+        add_values("", &it.config, &mut values);
+        values
+    });
+    for (name, value) in &old {
         // Tables of detectors of the user are those of one side.
-        for (table, values) in before.iter().filter(|(table, _)| *table != "detector") {
-            if let Some(values_now) = now.get(table) {
-                compare(&format!("the parameters of {table}"), values, values_now);
-            }
+        if let Some(value_now) = new.get(name).filter(|_| !name.starts_with("detector.")) {
+            compare(&format!("the parameter {name}"), value, value_now);
         }
     }
     if reasons.is_empty() {

@@ -7,85 +7,19 @@
 use std::collections::BTreeMap;
 use std::fmt::Write as _;
 
-use serde::{Deserialize, Serialize};
-
-use crate::files::csv_rows::row;
 use crate::files::fixed_decimals::Fixed;
-use crate::files::shown_text::printable_name;
 use crate::rows::match_outcome::{AnnotationFacts, BoxFacts, DetectionFacts, MatchOutcome};
 use crate::rows::match_row::MatchRow;
+use crate::rows::suspect_row::{SuspectKind, SuspectRow};
 use crate::vocabulary::class::AnnotationClass;
-use crate::vocabulary::named::named;
 use crate::vocabulary::reason::FalseReason;
 use crate::vocabulary::slice::Slice;
 use crate::vocabulary::task::Task;
 use crate::worst::mistakes::scan_address;
 
-named! {
-    /// Why a label is suspect.
-    pub enum SuspectKind {
-        /// No detector finds the labelled object.
-        FoundByNone = "found-by-none",
-        /// All detectors find something where nothing is labelled.
-        NotLabelled = "not-labelled",
-        /// All detectors find it elsewhere.
-        Place = "place",
-        /// For all detectors it is longer, or shorter.
-        Size = "size",
-        /// All detectors turn it the same way.
-        Heading = "heading",
-        /// All detectors give it the same other class.
-        Class = "class",
-    }
-}
-
-row! {
-    /// A suspect label, or a place where one may be missing.
-    #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-    pub struct SuspectRow {
-        /// Id of the data set.
-        #[serde(deserialize_with = "printable_name")]
-        pub dataset: String,
-        /// The drive.
-        #[serde(deserialize_with = "printable_name")]
-        pub sequence: String,
-        /// Number of the scan within the drive.
-        pub scan: u32,
-        /// Why it is suspect.
-        pub kind: SuspectKind,
-        /// How unusual that is, in nats.
-        pub(crate) surprise_nats: Fixed<3>,
-        /// Number of the annotation; none where nothing is labelled.
-        pub annotation_id: Option<u64>,
-        /// The annotated class, or what the first detector takes it for.
-        pub class: String,
-        /// Number of its points, or of the first detection.
-        pub n_points: u64,
-        /// What the detectors say, in words.
-        pub reason: String,
-        /// Centre of the labelled box, or of the one that was found.
-        pub(crate) center_x_m: Option<Fixed<3>>,
-        pub(crate) center_y_m: Option<Fixed<3>>,
-        pub(crate) center_z_m: Option<Fixed<3>>,
-        /// Length along the heading, width and height of the first detector's box, where there is one.
-        pub(crate) found_length_m: Option<Fixed<3>>,
-        pub(crate) found_width_m: Option<Fixed<3>>,
-        pub(crate) found_height_m: Option<Fixed<3>>,
-        /// Its heading.
-        pub(crate) found_yaw_rad: Option<Fixed<5>>,
-    }
-}
-
-impl SuspectRow {
-    /// The address of its scan.
-    fn scan_address(&self) -> String {
-        scan_address(&self.dataset, &self.sequence, self.scan)
-    }
-
-    /// Where it is on the ground plan, in metres, if that is known.
-    pub fn position_m(&self) -> Option<[f32; 2]> {
-        Some([self.center_x_m?, self.center_y_m?].map(|Fixed(at_m)| at_m as f32))
-    }
+/// The address of its scan.
+fn address_of(it: &SuspectRow) -> String {
+    scan_address(&it.dataset, &it.sequence, it.scan)
 }
 
 /// The first of the suspects as lines of text with a head; there are `n_all`.
@@ -93,7 +27,7 @@ pub fn suspects_to_terminal(listed: &[SuspectRow], n_all: usize) -> String {
     let width = |head: &str, of: &dyn Fn(&SuspectRow) -> usize| {
         listed.iter().map(of).max().unwrap_or(0).max(head.len())
     };
-    let addresses = width("data set/drive/scan", &|it| it.scan_address().chars().count());
+    let addresses = width("data set/drive/scan", &|it| address_of(it).chars().count());
     let classes = width("class", &|it| it.class.chars().count());
     let mut text = format!(
         "{:>4}  {:>5}  {:<13}  {:<addresses$}  {:<classes$}  {:>7}  {:>8}  {:>8}  reason\n",
@@ -108,7 +42,7 @@ pub fn suspects_to_terminal(listed: &[SuspectRow], n_all: usize) -> String {
             text,
             "{rank:>4}  {nats:>5.1}  {:<13}  {:<addresses$}  {class:<classes$}  {n_points:>7}  {x:>8}  {y:>8}  {reason}",
             kind.name(),
-            it.scan_address(),
+            address_of(it),
         );
     }
     if n_all > listed.len() {

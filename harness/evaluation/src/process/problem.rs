@@ -3,7 +3,7 @@
 use std::fmt;
 use std::time::Duration;
 
-use reports::files::shown_text::shown;
+use reports::files::shown_text::{shown, shown_lines};
 
 /// The problem.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
@@ -91,7 +91,13 @@ impl fmt::Display for DetectorFailure {
         if let Some(scan) = &self.scan {
             write!(formatter, " at scan {scan}")?;
         }
-        write!(formatter, ": {}", shown(&self.problem.to_string()))?;
+        let problem = self.problem.to_string();
+        let problem = match &self.problem {
+            // Lines of our own, in which the words of others are quoted.
+            DetectorProblem::Unusable(_) => shown_lines(&problem),
+            _ => shown(&problem),
+        };
+        write!(formatter, ": {problem}")?;
         if !self.last_words.is_empty() {
             formatter.write_str("\nlast lines that it printed:")?;
         }

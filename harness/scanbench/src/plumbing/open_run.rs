@@ -36,3 +36,11 @@ pub fn refuse_shard(directory: &Path) -> Result<(), Failure> {
         format!("{name} is shard {index} of {count}: `scanbench merge` puts all of `{whole}` together");
     Err(Failure::NotComparable(words.into()))
 }
+
+/// Refuses the `name` of a detector, or of something else that runs have, that is not one of the `known`.
+pub fn refuse_unknown(what: &str, name: &str, known: &[&str]) -> Result<(), Usage> {
+    if known.contains(&name) {
+        return Ok(());
+    }
+    Err(Usage(format!("the run has no {what} {name:?}; its {what}s are {}", known.join(", "))))
+}

@@ -18,19 +18,17 @@ use reports::verdicts::comparability::check_comparable;
 use reports::verdicts::drift::{ScanSubject, drift};
 use reports::vocabulary::class::DetectionClass;
 use reports::vocabulary::class_traits::ClassGroup;
-use reports::vocabulary::reason::IgnoredAnnotation;
+use reports::vocabulary::criterion::CriterionKind;
+use reports::vocabulary::reason::{IgnoredAnnotation, IgnoredDetection};
 use reports::vocabulary::task::Task;
 use reports::worst::mistakes::scan_address;
 
 use crate::cli::{StreamArgs, ViewArgs};
-use crate::plumbing::failure::{Failure, NothingEvaluated};
-use crate::plumbing::interruption::interruption_flag;
+use crate::plumbing::failure::Failure;
 use crate::plumbing::open_run::open_run;
 use crate::plumbing::progress::progress_over_scans;
-use crate::plumbing::recorder::{
-    self, Appearance, RecordingPlan, is_wanted, report_ending, serve_until_interrupted,
-};
-use crate::plumbing::standard_streams::{print_diagnostic, print_text};
+use crate::plumbing::recorder::{self, Appearance, RecordingPlan, finish_and_serve, is_wanted};
+use crate::plumbing::standard_streams::print_text;
 use crate::verbs::worst_scans::{chosen_task, datasets_of, place_of};
 
 /// The sides, as the recording names them.
@@ -47,8 +45,7 @@ pub fn view_changes(arguments: &ViewArgs, after: &Path) -> Result<(), Failure> {
     let sides = [open_run(&run_of_baseline(&arguments.run))?, open_run(after)?];
     check_comparable(&sides[0], &sides[1]).map_err(|error| Failure::NotComparable(error.into()))?;
     let sides = with_classes_of_both(sides);
-    let names: Vec<&str> = sides[0].manifest.detectors.iter().map(|it| it.name.as_str()).collect();
-    let (detector, task) = chosen_task(arguments, &sides[0], &names)?;
+    let (detector, task) = chosen_task(arguments, &sides[0])?;
     let of_both = drift(&sides[0], &sides[1]).into_iter().filter(|it| {
         let address = scan_address(&it.subject.dataset, &it.subject.sequence, it.subject.scan);
         let is_asked = it.subject.detector == detector && it.subject.task == task.name();
@@ -64,8 +61,7 @@ pub fn view_changes(arguments: &ViewArgs, after: &Path) -> Result<(), Failure> {
     let mut listed: Vec<ListedChange> = listed.collect();
     if listed.is_empty() {
         let at = arguments.at.as_ref().map(|it| format!(" at {it}")).unwrap_or_default();
-        let reason = format!("no object of {detector} in the task {task} has another outcome{at}");
-        return Err(NothingEvaluated { reason }.into());
+        return print_text(&format!("{detector}, {task}: no object has another outcome{at}\n"));
     }
     let counted = in_words(&n_of_kinds(listed.iter().map(|it| &it.change)));
     listed.sort_by_key(|it| (it.change.kind, std::cmp::Reverse(it.change.n_points)));
@@ -214,12 +210,7 @@ pub fn record_sides(sides: &TwoSides<'_>, scans: &[PointedScan<'_>]) -> Result<(
         progress.inc(1);
     }
     progress.finish_and_clear();
-    let served = report_ending(recording.finish()?);
-    print_diagnostic(format_args!("Recording: {}", written.display()));
-    if let Some(served) = served {
-        serve_until_interrupted(&*served, interruption_flag());
-    }
-    Ok(())
+    finish_and_serve(recording, &written)
 }
 
 /// Rows of one detector and task by data set, drive and number of the scan.
@@ -260,7 +251,7 @@ fn outcomes(rows: &[&MatchRow], n_annotations: usize, task: Task) -> (DetectorOu
             }
             MatchOutcome::Tall { annotation, found_by } => {
                 if let Some(found_by) = found_by {
-                    let why = reports::vocabulary::reason::IgnoredDetection::OnIgnoredAnnotation;
+                    let why = IgnoredDetection::OnIgnoredAnnotation;
                     let detection_idx = push(&found_by.detection, DetectionOutcome::Ignored(why));
                     let annotation_idx = annotation.id as usize;
                     found_tall.push(FoundTall { annotation_idx, detection_idx, cost: found_by.cost });
@@ -284,7 +275,7 @@ fn outcomes(rows: &[&MatchRow], n_annotations: usize, task: Task) -> (DetectorOu
             *it = outcome;
         }
     }
-    let criterion = criterion.unwrap_or(reports::vocabulary::criterion::CriterionKind::Points);
+    let criterion = criterion.unwrap_or(CriterionKind::Points);
     (output, Assignment { task, criterion, annotations, detections, found_tall })
 }
 

@@ -12,7 +12,7 @@ use reports::tables::verdict::comparison::{
 
 use crate::cli::{CompareArgs, OutputArgs};
 use crate::plumbing::failure::{Failure, Usage};
-use crate::plumbing::open_run::open_run;
+use crate::plumbing::open_run::{open_run, refuse_unknown};
 use crate::plumbing::paper_files::{write_figure, write_table};
 use crate::plumbing::provenance::comparison_facts;
 use crate::plumbing::run_directory::claim_named;
@@ -76,9 +76,5 @@ fn check_has(run: &RunArchive, name: &str) -> Result<(), Failure> {
     } else {
         ("detector", run.scans.iter().map(|it| it.detector.as_str()).collect())
     };
-    if known.contains(name) {
-        return Ok(());
-    }
-    let known = known.into_iter().collect::<Vec<_>>().join(", ");
-    Err(Usage(format!("the run has no {what} {name:?}; its {what}s are {known}")).into())
+    Ok(refuse_unknown(what, name, &known.into_iter().collect::<Vec<_>>())?)
 }

@@ -23,7 +23,7 @@ use crate::verbs::selftest_protocols::check_protocols;
 /// Arguments of `scanbench selftest`.
 #[derive(Debug, Args)]
 #[command(
-    after_help = "Examples:\n  scanbench selftest ../data/kitti_tracking --scans 0..10\n  scanbench selftest streets --protocol nuscenes"
+    after_help = "Examples:\n  scanbench selftest ../data/kitti_tracking --scans 0..10\n  scanbench selftest streets --protocol nuscenes\n\nThe labels come as detections within the program, and then with their classes through a process and\nfiles of each format that the data have. A protocol is `unsure` if it does not take every label both\nways: then the best numbers cannot be reached."
 )]
 pub struct SelftestArgs {
     /// The scans.

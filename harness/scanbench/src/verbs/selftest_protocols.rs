@@ -45,7 +45,11 @@ impl CheckedProtocol {
 impl std::fmt::Display for CheckedProtocol {
     fn fmt(&self, formatter: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         let Self { dataset, protocol, echo, n_numbers, imperfect, n_taken_once } = self;
-        let verdict = if self.is_perfect() { "ok" } else { "FAILED" };
+        let verdict = match (self.is_perfect(), *n_taken_once) {
+            (true, 0) => "ok",
+            (true, _) => "unsure",
+            (false, _) => "FAILED",
+        };
         let way = match *echo {
             AS_RESULTS => String::new(),
             AS_DETECTIONS => format!(", as {AS_DETECTIONS}"),

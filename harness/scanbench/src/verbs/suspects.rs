@@ -8,15 +8,15 @@ use evaluation::run::kept_names::kept;
 use evaluation::run::scan_recorder::Mark;
 use reports::files::csv_rows::to_csv_bytes;
 use reports::files::whole_set::WholeSet;
-use reports::vocabulary::task::Task;
 use reports::worst::suspects::{suspects as suspects_of, suspects_to_terminal};
 
 use crate::cli::StreamArgs;
 use crate::cli::help_text::{DATA, DETECTORS, MISTAKES};
 use crate::plumbing::failure::{Failure, NothingEvaluated, Usage};
-use crate::plumbing::open_run::open_run;
+use crate::plumbing::open_run::{open_run, refuse_unknown};
 use crate::plumbing::standard_streams::{print_diagnostic, print_text};
 use crate::verbs::changed_scans::{PointedScan, TwoSides, record_sides, rows_by_scan};
+use crate::verbs::worst_scans::task_named;
 
 /// Arguments of `scanbench suspects`.
 #[derive(Debug, Args)]
@@ -57,12 +57,9 @@ It is agreement of detectors and no truth: look before you change a label.";
 /// Lists suspect labels, writes them, and records their scans.
 pub fn suspects(arguments: &SuspectsArgs) -> Result<(), Failure> {
     let run = open_run(&arguments.run)?;
-    let known: Vec<&str> = run.manifest.detectors.iter().map(|it| it.name.as_str()).collect();
+    let known = run.detector_names();
     let asked: Vec<&str> = arguments.detectors.iter().map(String::as_str).collect();
-    if let Some(unknown) = asked.iter().find(|it| !known.contains(it)) {
-        let known = known.join(", ");
-        return Err(Usage(format!("the run has no detector {unknown:?}; its detectors are {known}")).into());
-    }
+    asked.iter().try_for_each(|it| refuse_unknown("detector", it, &known))?;
     let mut detectors = if asked.is_empty() { known } else { asked };
     let mut seen = BTreeSet::new();
     detectors.retain(|it| seen.insert(*it));
@@ -71,10 +68,7 @@ pub fn suspects(arguments: &SuspectsArgs) -> Result<(), Failure> {
             Usage("labels are suspect where detectors agree: name two or more with -d".to_owned()).into()
         );
     };
-    let is_asked = |it: &Task| it.name() == arguments.task;
-    let Some(task) = run.scans.iter().map(|it| it.task).find(is_asked) else {
-        return Err(Usage(format!("the run has no task {:?}", arguments.task)).into());
-    };
+    let task = task_named(&run, &arguments.task)?;
     let all = suspects_of(&run.matches, task, &detectors);
     if all.is_empty() {
         let reason = format!("{} contradict no label together", detectors.join(", "));

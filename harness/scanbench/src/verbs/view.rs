@@ -35,8 +35,7 @@ pub fn view(arguments: &ViewArgs) -> Result<(), Failure> {
         let problem = "is a result of `partial`, which has no scans: open its partial.rrd";
         return Err(Usage(format!("{} {problem}", path.display())).into());
     }
-    let names: Vec<&str> = run.manifest.detectors.iter().map(|it| it.name.as_str()).collect();
-    let (detector, task) = chosen_task(arguments, &run, &names)?;
+    let (detector, task) = chosen_task(arguments, &run)?;
     if let Some(name) = arguments.class.as_deref().filter(|it| !is_class(it)) {
         return Err(Usage(format!(
             "the run has no class {name:?}; its classes are {}",

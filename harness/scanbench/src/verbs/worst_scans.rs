@@ -4,7 +4,6 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::num::NonZeroUsize;
 use std::sync::atomic::AtomicBool;
 
-use clap::Parser as _;
 use evaluation::run::compared_detector::ComparedDetector;
 use evaluation::run::config::RunConfig;
 use evaluation::run::detector_list::ChosenDetector;
@@ -25,13 +24,12 @@ use crate::plumbing::failure::{Failure, Usage};
 use crate::plumbing::first_look::look_first_at_all;
 use crate::plumbing::interruption::interruption_flag;
 use crate::plumbing::open_datasets::{OpenedDataset, open_datasets_past_damage, own_classes};
+use crate::plumbing::open_run::refuse_unknown;
 use crate::plumbing::progress::progress_over_scans;
-use crate::plumbing::recorder::{
-    self, Appearance, Recorder, RecordingPlan, is_wanted, report_ending, serve_until_interrupted,
-};
+use crate::plumbing::recorder::{self, Appearance, Recorder, RecordingPlan, finish_and_serve, is_wanted};
 use crate::plumbing::run_manifest::refuse_other_scans;
 use crate::plumbing::standard_streams::print_diagnostic;
-use crate::verbs::{Cli, Command};
+use crate::verbs::run::setup::arguments_of;
 
 /// Runs the scans of `mistakes` again as `manifest` says, and records them, the first mistake's first.
 pub fn record(
@@ -68,35 +66,23 @@ pub fn record(
         return Ok(());
     };
     again.log(&scans, interrupted, &mut recording)?;
-    let served = report_ending(recording.finish()?);
-    print_diagnostic(format_args!("Recording: {}", written.display()));
-    if let Some(served) = served {
-        serve_until_interrupted(&*served, interrupted);
-    }
-    Ok(())
+    finish_and_serve(recording, &written)
 }
 
-/// The detector of `run` and the task that `arguments` name; `names` are its detectors.
-pub fn chosen_task<'a>(
-    arguments: &'a ViewArgs,
-    run: &RunArchive,
-    names: &[&'a str],
-) -> Result<(&'a str, Task), Failure> {
+/// The detector of `run` and the task that `arguments` name.
+pub fn chosen_task<'a>(arguments: &'a ViewArgs, run: &'a RunArchive) -> Result<(&'a str, Task), Failure> {
+    let names = run.detector_names();
     let detector = arguments.detector.as_deref().or(names.first().copied()).unwrap_or_default();
-    if !names.contains(&detector) {
-        return Err(Usage(format!(
-            "the run has no detector {detector:?}; its detectors are {}",
-            names.join(", ")
-        ))
-        .into());
-    }
+    refuse_unknown("detector", detector, &names)?;
+    Ok((detector, task_named(run, &arguments.task)?))
+}
+
+/// The task of `run` with this name.
+pub fn task_named(run: &RunArchive, name: &str) -> Result<Task, Usage> {
     let tasks: BTreeSet<Task> = run.scans.iter().map(|it| it.task).collect();
-    let Some(&task) = tasks.iter().find(|it| it.name() == arguments.task) else {
-        let known: Vec<&str> = tasks.iter().map(|it| it.name()).collect();
-        let problem = format!("the run has no task {:?}; its tasks are {}", arguments.task, known.join(", "));
-        return Err(Usage(problem).into());
-    };
-    Ok((detector, task))
+    let known: Vec<&str> = tasks.iter().map(|it| it.name()).collect();
+    refuse_unknown("task", name, &known)?;
+    Ok(tasks.into_iter().find(|it| it.name() == name).expect("it is known"))
 }
 
 struct WorstScan {
@@ -152,14 +138,8 @@ fn show_programs(arguments: &RunArgs, detectors: &[ChosenDetector], trusted: boo
 }
 
 /// The arguments that the run of `manifest` was made with. Unless it is `trusted`, it may name no address.
-fn arguments_of(manifest: &Manifest, trusted: bool) -> Result<Box<RunArgs>, Failure> {
-    let parsed = Cli::try_parse_from(&manifest.argv).map(|it| it.command);
-    let Ok(Command::Run(arguments)) = parsed else {
-        let line = manifest.argv.join(" ");
-        return Err(
-            Usage(format!("this program does not understand the command of the run: `{line}`")).into()
-        );
-    };
+fn trusted_arguments(manifest: &Manifest, trusted: bool) -> Result<Box<RunArgs>, Usage> {
+    let arguments = arguments_of(manifest)?;
     if !trusted {
         refuse_addresses(&arguments)?;
     }
@@ -168,7 +148,7 @@ fn arguments_of(manifest: &Manifest, trusted: bool) -> Result<Box<RunArgs>, Fail
 
 /// The data sets of the run of `manifest`, for their scans alone: no detector is asked.
 pub fn datasets_of(manifest: &Manifest, trusted: bool) -> Result<Vec<OpenedDataset>, Failure> {
-    let arguments = arguments_of(manifest, trusted)?;
+    let arguments = trusted_arguments(manifest, trusted)?;
     let mut config = load(&arguments.config)?;
     config.classes = own_classes(&arguments.data.source).or(&config.classes);
     let datasets = open_datasets_past_damage(&arguments.data, arguments.damage.policy(), &config.classes)?;
@@ -194,7 +174,7 @@ pub fn place_of(
 impl RunAgain {
     /// Opens the run of `manifest`; a run that is not `trusted` may name files of this machine, and nothing else.
     fn of(manifest: &Manifest, trusted: bool) -> Result<Self, Failure> {
-        let arguments = arguments_of(manifest, trusted)?;
+        let arguments = trusted_arguments(manifest, trusted)?;
         let (detectors, mut config) = chosen_detectors(&arguments.config, &arguments.detectors)?;
         show_programs(&arguments, &detectors, trusted)?;
         choose_matching(&mut config, &arguments.matching)?;

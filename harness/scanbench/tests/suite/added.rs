@@ -56,7 +56,11 @@ fn what_was_judged_otherwise_is_not_added() {
         &["the ignored annotations changed from fewer than 20 points"],
     );
     workplace.write("scanbench.toml", "[hierarchical.grid]\ncell_size_m = 0.7\n");
-    workplace.refuse("run --add-to part -d simple-grid", 5, &["the parameters of hierarchical changed"]);
+    workplace.refuse(
+        "run --add-to part -d simple-grid",
+        5,
+        &["the parameter hierarchical.grid.cell_size_m changed from 0.6 to 0.7"],
+    );
     std::fs::remove_file(workplace.path("scanbench.toml")).expect("it is there");
     let labels = workplace.read("street/training/label_02/0000.txt");
     workplace.write("street/training/label_02/0000.txt", &labels.replace("Car", "Van"));

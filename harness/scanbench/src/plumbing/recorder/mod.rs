@@ -2,16 +2,17 @@
 //!
 //! Both have the same items; no other code asks what was built in.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Duration;
 
 use evaluation::run::compared_detector::ComparedDetector;
-use evaluation::run::scan_recorder::{FigureView, RecordingEnding, Served};
+use evaluation::run::scan_recorder::{FigureView, RecordingEnding, ScanRecorder as _, Served};
 use reports::vocabulary::task::Task;
 
 use crate::cli::StreamArgs;
 use crate::plumbing::failure::Failure;
+use crate::plumbing::interruption::interruption_flag;
 use crate::plumbing::open_datasets::OpenedDataset;
 use crate::plumbing::standard_streams::print_diagnostic;
 
@@ -105,4 +106,14 @@ pub fn serve_until_interrupted(served: &dyn Served, interrupted: &AtomicBool) {
     while !interrupted.load(Ordering::Relaxed) {
         std::thread::sleep(Duration::from_millis(50));
     }
+}
+
+/// Completes `recording`, which is written to `file`, and goes on serving it if that was asked for.
+pub fn finish_and_serve(recording: Recorder, file: &Path) -> Result<(), Failure> {
+    let served = report_ending(recording.finish()?);
+    print_diagnostic(format_args!("Recording: {}", file.display()));
+    if let Some(served) = served {
+        serve_until_interrupted(&*served, interruption_flag());
+    }
+    Ok(())
 }

@@ -3,7 +3,6 @@
 use std::collections::BTreeMap;
 use std::path::Path;
 
-use clap::Parser;
 use evaluation::run::detector_list::DEFAULT_DETECTORS;
 use reports::files::archive::ArchiveError;
 use reports::files::csv_rows::{CsvRow, read_rows};
@@ -38,18 +37,7 @@ use crate::plumbing::shards::whole_run::WholeRun;
 use crate::plumbing::standard_streams::print_diagnostic;
 use crate::verbs::run::ending::print_ending;
 use crate::verbs::run::made::made_run;
-
-/// The command line of a run.
-#[derive(Debug, Parser)]
-#[command(no_binary_name = true, disable_help_flag = true)]
-struct RunCommand {
-    #[command(flatten)]
-    run: RunArgs,
-    #[arg(short, long, action = clap::ArgAction::Count)]
-    verbose: u8,
-    #[arg(short, long)]
-    quiet: bool,
-}
+use crate::verbs::run::setup::arguments_of;
 
 /// Runs the detectors of `arguments` as those of the run in `base` were run, and adds them to it.
 pub fn add_to(base: &Path, arguments: &RunArgs) -> Result<(), Failure> {
@@ -57,7 +45,7 @@ pub fn add_to(base: &Path, arguments: &RunArgs) -> Result<(), Failure> {
     // `runs/latest` is a link.
     let base = &base.canonicalize().map_err(|error| Failure::damaged_run(base, error))?;
     refuse_unlike(base, &before.manifest)?;
-    let mut again = command_of(&before.manifest)?;
+    let mut again = arguments_of(&before.manifest)?;
     let target = ClaimedTarget::claim(base, ExistingTarget::Replace, LatestPointer::Leave)?;
     let folder = HiddenFolder::beside(base, "added")
         .map_err(|error| Failure::internal("cannot make a folder beside the run", error))?;
@@ -69,6 +57,8 @@ pub fn add_to(base: &Path, arguments: &RunArgs) -> Result<(), Failure> {
     let stream = &mut again.stream;
     stream.no_rrd = !has_recording || arguments.stream.no_rrd;
     (stream.save_rrd, stream.connect, stream.serve, stream.spawn) = (None, None, None, false);
+    // It marks a run that nobody can continue.
+    again.add_to = Some(base.clone());
     again.mcap = false;
     again.result_files.detections_out = None;
     let Some(made) = made_run(&again)? else { return Ok(()) };
@@ -92,9 +82,7 @@ pub fn add_to(base: &Path, arguments: &RunArgs) -> Result<(), Failure> {
 /// Refuses a run that no detector can be added to.
 fn refuse_unlike(base: &Path, manifest: &Manifest) -> Result<(), Failure> {
     let name = base.display();
-    let problem = if verb_at(manifest).is_none() {
-        Some("it is not of `run`")
-    } else if !manifest.shards.is_empty() {
+    let problem = if !manifest.shards.is_empty() {
         Some("it was put together of shards")
     } else if manifest.datasets.iter().any(|it| !it.skipped_scans.is_empty()) {
         Some("damaged scans were left out")
@@ -107,23 +95,6 @@ fn refuse_unlike(base: &Path, manifest: &Manifest) -> Result<(), Failure> {
     };
     problem
         .map_or(Ok(()), |it| Err(Usage(format!("--add-to {name}: {it}; run all detectors together")).into()))
-}
-
-/// Where the verb stands in the command of a run, if it is `run`; only options for all verbs come before it.
-fn verb_at(manifest: &Manifest) -> Option<usize> {
-    let words = manifest.argv.iter().enumerate().skip(1);
-    let (place, verb) = { words }.find(|(_, it)| !it.starts_with('-'))?;
-    (*verb == Study::Run.name()).then_some(place)
-}
-
-/// The arguments that the run was made with.
-fn command_of(manifest: &Manifest) -> Result<RunArgs, Failure> {
-    let behind = verb_at(manifest).map_or(manifest.argv.len(), |it| it + 1);
-    let command = RunCommand::try_parse_from(&manifest.argv[behind..]);
-    let command = command.map_err(|error| {
-        Usage(format!("the command of the run is not one of this version: {}", error.to_string().trim()))
-    })?;
-    Ok(command.run)
 }
 
 /// The detectors to add: those that were named. The default ones are no wish.

@@ -30,7 +30,8 @@ pub type MadeRun = (PathBuf, WholeRun, Option<Box<dyn Served>>);
 pub fn made_run(arguments: &RunArgs) -> Result<Option<MadeRun>, Failure> {
     refuse_what_is_for_whole_runs(arguments.shard.shard, &arguments.stream)?;
     let chosen = ChosenRun::of(arguments)?;
-    let output = WorkOutput::claim(Study::Run, arguments.shard.shard, &arguments.output)?;
+    let mut output = WorkOutput::claim(Study::Run, arguments.shard.shard, &arguments.output)?;
+    output.is_kept &= arguments.add_to.is_none();
     let started = output.started;
     let mut study = RunStudy { arguments, opened: chosen.open(arguments)?, started };
     let Some((made, served)) = execute_watched(&mut study, output)? else { return Ok(None) };

@@ -1,5 +1,6 @@
 //! Setup of a run, whole or in parts: detectors, parameters, data sets, results of others, a recording.
 
+use clap::Parser as _;
 use evaluation::run::compared_detector::ComparedDetector;
 use evaluation::run::config::RunConfig;
 use evaluation::run::detector_list::ChosenDetector;
@@ -8,7 +9,7 @@ use reports::run_folder::manifest::Manifest;
 
 use crate::cli::RunArgs;
 use crate::plumbing::config::{choose_matching, chosen_with_results};
-use crate::plumbing::failure::Failure;
+use crate::plumbing::failure::{Failure, Usage};
 use crate::plumbing::first_look::look_first_at_all;
 use crate::plumbing::named_blocks::with_named_blocks;
 use crate::plumbing::open_datasets::{OpenedDataset, open_datasets_past_damage, own_classes};
@@ -17,6 +18,18 @@ use crate::plumbing::progress::RunProgress;
 use crate::plumbing::run_manifest::{RunSettings, detector_entry, run_manifest};
 use crate::plumbing::standard_streams::print_diagnostic;
 use crate::plumbing::watched_run::WatchedRun;
+use crate::verbs::{Cli, Command};
+
+/// The arguments that the run of `manifest` was made with.
+pub fn arguments_of(manifest: &Manifest) -> Result<Box<RunArgs>, Usage> {
+    match Cli::try_parse_from(&manifest.argv).map(|it| it.command) {
+        Ok(Command::Run(arguments)) => Ok(arguments),
+        _ => {
+            let line = manifest.argv.join(" ");
+            Err(Usage(format!("this program does not understand the command of the run: `{line}`")))
+        }
+    }
+}
 
 /// Detectors and their parameters; no data set is open yet.
 pub struct ChosenRun {
