@@ -22,13 +22,12 @@ use crate::verbs::{Cli, Command};
 
 /// The arguments that the run of `manifest` was made with.
 pub fn arguments_of(manifest: &Manifest) -> Result<Box<RunArgs>, Usage> {
-    match Cli::try_parse_from(&manifest.argv).map(|it| it.command) {
-        Ok(Command::Run(arguments)) => Ok(arguments),
-        _ => {
-            let line = manifest.argv.join(" ");
-            Err(Usage(format!("this program does not understand the command of the run: `{line}`")))
-        }
-    }
+    let parsed = Cli::try_parse_from(&manifest.argv).map(|it| it.command);
+    let Ok(Command::Run(arguments)) = parsed else {
+        let line = manifest.argv.join(" ");
+        return Err(Usage(format!("this program does not understand the command of the run: `{line}`")));
+    };
+    Ok(arguments)
 }
 
 /// Detectors and their parameters; no data set is open yet.
