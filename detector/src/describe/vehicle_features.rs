@@ -189,7 +189,8 @@ mod tests {
 
     fn describer() -> VehicleDescriber {
         let prototype = Prototype { name: "saloon".to_owned(), contour_m: saloon_m().collect() };
-        VehicleDescriber::new(PrototypeLibrary::new(Provenance::default(), 0.2, vec![prototype]).unwrap())
+        // In columns of 0.2 m, every point is on the border of two: its place decides which one it is in.
+        VehicleDescriber::new(PrototypeLibrary::new(Provenance::default(), 0.19, vec![prototype]).unwrap())
     }
 
     /// Points on the outline of a car, cut out at the height of the silhouette, and the box around them.
