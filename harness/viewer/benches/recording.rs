@@ -102,6 +102,7 @@ fn record(
         matching: MatchingParams { criterion, eligibility: EligibilityParams::STANDARD },
         n_warmup: 1,
         n_repeats: NonZeroUsize::MIN,
+        counter: None,
         n_jobs: 1,
         on_failure: OnDetectorFailure::Stop,
         interrupted: &AtomicBool::new(false),

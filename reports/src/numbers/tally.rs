@@ -122,6 +122,13 @@ impl Tally {
             };
             sums.add(Term::LogReference, log_reference);
         }
+        // They are the same in every task.
+        let counted = numbers.n_instructions.zip(numbers.peak_bytes).filter(|_| row.task == Task::ALL[0]);
+        if let Some((n_instructions, peak_bytes)) = counted {
+            sums.add(Term::CountedScans, 1.0);
+            sums.add(Term::Instructions, n_instructions as f64 / 1e6);
+            sums.add(Term::PeakMemory, peak_bytes as f64 / f64::from(1 << 20));
+        }
         self.count(key, numbers.counts, &block).add_times(&sums, 1.0);
         let times = &mut self.times[key.dataset];
         let of_kinds = [

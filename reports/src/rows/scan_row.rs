@@ -65,6 +65,11 @@ pub struct ScanNumbers {
     /// The way to a detector that is a program of its own and back, in milliseconds: the shortest of all repetitions. It is
     /// part of `latency_ms`. `None` of others.
     pub overhead_ms: Option<f64>,
+    /// Instructions of the detection, in user mode, on all threads and in all processes of the detector; `None` where nobody
+    /// counted them.
+    pub n_instructions: Option<u64>,
+    /// The most memory of the detection at once, in bytes; `None` where nobody looked.
+    pub peak_bytes: Option<u64>,
     /// Annotations found and missed, and false detections.
     pub counts: Counts,
     /// Annotations that are neither found nor missed.
@@ -93,6 +98,8 @@ impl ScanNumbers {
             reference_ms: None,
             cpu_ms: None,
             overhead_ms: None,
+            n_instructions: None,
+            peak_bytes: None,
             counts,
             n_ignored_annotations: 0,
             n_ignored_detections: 0,
@@ -179,6 +186,10 @@ row! {
         cpu_ms: Option<Fixed<3>>,
         /// The way to a detector that is a program of its own and back; part of `latency_ms`.
         overhead_ms: Option<Fixed<3>>,
+        /// Instructions of the detection in user mode, counted with `--count`.
+        instructions: Option<u64>,
+        /// The most memory of the detection at once, in bytes, with `--count`.
+        peak_bytes: Option<u64>,
         /// Annotations that count.
         no: Option<u64>,
         /// Those that were found.
@@ -248,6 +259,8 @@ impl From<ScanRow> for ScanRecord {
             reference_ms: numbers.and_then(|it| it.reference_ms).map(Fixed::rounded),
             cpu_ms: numbers.and_then(|it| it.cpu_ms).map(Fixed::rounded),
             overhead_ms: numbers.and_then(|it| it.overhead_ms).map(Fixed::rounded),
+            instructions: numbers.and_then(|it| it.n_instructions),
+            peak_bytes: numbers.and_then(|it| it.peak_bytes),
             no: counts.map(Counts::no),
             tp: counts.map(Counts::tp),
             mo: counts.map(Counts::mo),
@@ -314,6 +327,8 @@ fn numbers_of(record: &ScanRecord) -> Result<ScanNumbers, &'static str> {
         reference_ms: record.reference_ms.map(|Fixed(reference_ms)| reference_ms),
         cpu_ms: record.cpu_ms.map(|Fixed(cpu_ms)| cpu_ms),
         overhead_ms: record.overhead_ms.map(|Fixed(overhead_ms)| overhead_ms),
+        n_instructions: record.instructions,
+        peak_bytes: record.peak_bytes,
         counts,
         n_ignored_annotations: present(record.ignored_annotations)?,
         n_ignored_detections: present(record.ignored_detections)?,
@@ -353,6 +368,8 @@ mod tests {
             reference_ms: latency_ms.map(|_| 0.25),
             cpu_ms: latency_ms.map(|it| 2.0 * it),
             overhead_ms: latency_ms.map(|_| 0.125),
+            n_instructions: latency_ms.map(|_| 31_000_123),
+            peak_bytes: latency_ms.map(|_| 4096),
             counts: Counts::new(7, 5, n_false).unwrap(),
             n_ignored_annotations: 3,
             n_ignored_detections: 2,

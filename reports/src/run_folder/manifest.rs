@@ -43,6 +43,9 @@ pub struct Manifest {
     /// How often each detector looked at each scan.
     #[serde(default = "once")]
     pub n_repeats: u32,
+    /// Who counted instructions and memory, such as `valgrind`; `None` if nobody did.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub counted_by: Option<String>,
     /// The protocols of others that it was evaluated under, too.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub protocols: Vec<Protocol>,

@@ -31,7 +31,12 @@ const STATISTICS: [(&str, Metric); 8] = [
 ];
 
 /// Metrics that only some detectors have; columns without a value are left out.
-const OF_SOME: [(&str, Metric); 2] = [("CPU", Metric::CpuMean), ("overhead", Metric::OverheadP50)];
+const OF_SOME: [(&str, Metric); 4] = [
+    ("CPU", Metric::CpuMean),
+    ("overhead", Metric::OverheadP50),
+    ("instructions", Metric::Instructions),
+    ("memory", Metric::PeakMemory),
+];
 
 impl TimesTable {
     /// The times of `report`. They are the same for every task.
@@ -43,7 +48,7 @@ impl TimesTable {
         }));
         let is_known = |metric: &Metric| report.rows().iter().any(|it| it.metric == *metric);
         let of_some: Vec<_> = OF_SOME.into_iter().filter(|(_, metric)| is_known(metric)).collect();
-        columns.extend(of_some.iter().map(|(title, _)| Column::number(*title).within("per scan [ms]")));
+        columns.extend(of_some.iter().map(|(title, metric)| Column::number(*title).within(group_of(metric))));
         let datasets = manifest.datasets.iter();
         let mut extents: Vec<(Extent, Origin)> =
             datasets.map(|it| (Extent::Dataset(it.id.clone()), it.origin())).collect();
@@ -76,11 +81,28 @@ impl Tabular for TimesTable {
                       where several work at once.";
         let of_overhead = "overhead: median of the way to a detector that is a program of its own, and back, measured beside it \
                        with one that reads the points and finds nothing.";
-        let of_some =
-            [("CPU", of_cpu), ("overhead", of_overhead)].into_iter().filter(|(title, _)| has(title));
+        let of_instructions = "instructions: mean of a scan in user mode, on all threads and in all processes of the detector.";
+        let of_memory = "memory: mean over scans of the most at once; of a built-in detector what its detections allocate, of \
+                         a program what its processes have in memory.";
+        let of_some = [
+            ("CPU", of_cpu),
+            ("overhead", of_overhead),
+            ("instructions", of_instructions),
+            ("memory", of_memory),
+        ];
+        let of_some = of_some.into_iter().filter(|(title, _)| has(title));
         let sentences = [sentence].into_iter().chain(of_some.map(|it| it.1)).map(str::to_owned);
         let title = format!("Times of detection only, on {}.", self.cpu_model);
         Sheet::of(title, self.grid.clone(), sentences.collect()).labelled("times")
+    }
+}
+
+/// What columns of a metric that only some detectors have stand under.
+fn group_of(metric: &Metric) -> &'static str {
+    match metric {
+        Metric::Instructions => "per scan [million]",
+        Metric::PeakMemory => "at most [MiB]",
+        _ => "per scan [ms]",
     }
 }
 

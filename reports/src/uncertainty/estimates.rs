@@ -103,8 +103,10 @@ impl Sample {
     fn rows(&self, question: &Question<'_>) -> Vec<MetricRow> {
         let slice = question.slice;
         let is_timed = self.total.of(Term::TimedScans) > 0.0;
+        let is_counted = self.total.of(Term::CountedScans) > 0.0;
         let is_listed = |it: &Metric| match it {
             Metric::ReferenceTime | Metric::TimeRatio => is_timed,
+            Metric::Instructions | Metric::PeakMemory => is_counted,
             // For slices these follow from the others.
             Metric::Mo | Metric::Precision => slice == Slice::All,
             _ => true,

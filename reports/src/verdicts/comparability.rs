@@ -111,6 +111,14 @@ fn rules(baseline: &Manifest, run: &Manifest) -> Vec<String> {
         format!("fewer than {} points or beyond {} m", it.ignored.min_points, it.ignored.max_range_m)
     };
     compare("the ignored annotations", ignored(baseline), ignored(run));
+    // A run that counts nothing says nothing else about its numbers.
+    let counted_by = |it: &Manifest| match it.counted_by.as_deref() {
+        Some("valgrind") => Some("valgrind".to_owned()),
+        other => other.map(|it| format!("{it} on {}", run.machine.cpu_model)),
+    };
+    if let Some((before, now)) = counted_by(baseline).zip(counted_by(run)) {
+        compare("what counts instructions", before, now);
+    }
     for (name, before) in &baseline.slices {
         let bounds = |it: &SliceBounds| serde_json::to_string(it).unwrap_or_default();
         if let Some(now) = run.slices.get(name) {

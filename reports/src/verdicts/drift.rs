@@ -350,6 +350,8 @@ fn number_changes(before: Option<&ScanNumbers>, now: Option<&ScanNumbers>) -> Op
             reference_ms: None,
             cpu_ms: None,
             overhead_ms: None,
+            n_instructions: None,
+            peak_bytes: None,
             failure: None,
             ..it.clone()
         })

@@ -37,6 +37,12 @@ pub enum Term {
     WidthError,
     /// Angles between their headings, in degrees.
     YawError,
+    /// Scans whose instructions and memory were counted.
+    CountedScans,
+    /// Instructions of detections in these, in millions.
+    Instructions,
+    /// Most memory of detections in these at once, in MiB.
+    PeakMemory,
     /// Scans whose time counts and was measured beside that of the reference.
     TimedScans,
     /// Logarithms of the times of these over those of the reference.

@@ -66,6 +66,10 @@ pub enum Metric {
     ReferenceTime,
     /// Time of detection over that of the reference, of the shortest of all repetitions: geometric mean over scans.
     TimeRatio,
+    /// Instructions of a detection: mean over scans.
+    Instructions,
+    /// The most memory of a detection at once: mean over scans.
+    PeakMemory,
     /// How well objects are classified of which a part has been seen.
     Partial(PartialMetric),
     /// Median time of the stage of this name.
@@ -208,6 +212,20 @@ static METRICS: &[Declared] = {
         (Metric::FailedScans, "failed_scans", "count", Lower, NotOfSums),
         (Metric::ReferenceTime, "reference_ms", "ms", Neither, GeometricMean(LogReference, TimedScans)),
         (Metric::TimeRatio, "time_over_reference", "times", Lower, GeometricMean(LogTimeRatio, TimedScans)),
+        (
+            Metric::Instructions,
+            "instructions_million",
+            "million",
+            Lower,
+            Ratio(&[Term::Instructions], &[Term::CountedScans]),
+        ),
+        (
+            Metric::PeakMemory,
+            "peak_memory_mib",
+            "mib",
+            Lower,
+            Ratio(&[Term::PeakMemory], &[Term::CountedScans]),
+        ),
         (Metric::Partial(PartialMetric::MeanRecall), "mean_recall", "ratio", Higher, NotOfSums),
         (Metric::Partial(PartialMetric::StrangersRejected), "strangers_rejected", "ratio", Higher, NotOfSums),
         (Metric::Partial(PartialMetric::KnownRejected), "known_rejected", "ratio", Lower, NotOfSums),

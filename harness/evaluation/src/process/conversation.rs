@@ -153,6 +153,11 @@ impl Conversation {
         Ok(Answered { found, wall, cpu })
     }
 
+    /// All processes of the detector.
+    pub fn processes(&self) -> Vec<u32> {
+        self.program.processes()
+    }
+
     /// Asks it to end. Returns warnings.
     pub fn quit(self) -> Vec<String> {
         self.program.quit()

@@ -106,9 +106,14 @@ fn refuse_nesting() -> io::Result<()> {
 }
 
 impl Program {
+    /// The detector and all processes that it has started.
+    pub fn processes(&self) -> Vec<u32> {
+        descendants(self.supervisor.id())
+    }
+
     /// Time on processors of the detector and all processes that it has started; `None` if the system does not report it.
     pub fn cpu_time(&mut self) -> Option<Duration> {
-        let processes = descendants(self.supervisor.id());
+        let processes = self.processes();
         self.processes = processes.iter().map(|&pid| (pid, start_of(pid))).collect();
         cpu_time_of(&processes)
     }

@@ -252,6 +252,7 @@ mod tests {
             class_criteria: &config.class_criteria,
             n_warmup: 0,
             n_repeats: NonZeroUsize::MIN,
+            counter: None,
             n_jobs: 2,
             on_failure: OnDetectorFailure::Stop,
             interrupted: &AtomicBool::new(false),

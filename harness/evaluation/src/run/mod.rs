@@ -5,6 +5,7 @@ pub mod foreign_detector;
 pub mod config;
 pub mod foreign_files;
 pub mod detector_list;
+pub mod counter;
 pub mod running_detector;
 pub mod given_classes;
 pub mod found_objects;

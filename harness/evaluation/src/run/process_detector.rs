@@ -5,6 +5,7 @@ use std::time::Duration;
 use detector::detector::{DetectorOutput, StageTime};
 use detector::stage_product::{Shape, StageProduct};
 use detector::{DetectedClass, Detection, PointCloud};
+use perf_event::events::Hardware;
 use scans::annotation::LabeledScan;
 use scans::conversion::results::detection_rows::clusters_of_points;
 use scans::dataset::class_table::ClassTable;
@@ -14,6 +15,7 @@ use crate::process::conversation::{Answered, Conversation, FIRST_SCAN_LIMIT, Goo
 use crate::process::message::Configuration;
 use crate::process::problem::{DetectorFailure, DetectorProblem};
 use crate::process::program::StartedProgram;
+use crate::run::counter::{Count, Counter, ProcessMeter, peak_bytes_of};
 use crate::run::foreign_detector::ForeignProcess;
 use crate::run::found_objects::{ForeignVehicles, FoundObject, members_of};
 use crate::run::kept_names::kept;
@@ -41,6 +43,8 @@ pub struct ProcessDetector {
     has_answered: bool,
     n_failures: u32,
     probe: OverheadProbe,
+    counter: Option<Counter>,
+    meter: ProcessMeter,
     // Of the latest scan.
     clusters: Vec<Option<u32>>,
     products: Vec<(String, Vec<u8>)>,
@@ -85,6 +89,8 @@ impl ProcessDetector {
             has_answered: false,
             n_failures: 0,
             probe: OverheadProbe::NotStarted,
+            counter: None,
+            meter: ProcessMeter::default(),
             clusters: Vec::new(),
             products: Vec::new(),
             reports_ground: false,
@@ -115,7 +121,7 @@ impl ProcessDetector {
             let begun = Conversation::begin(&self.start, &self.configuration, scan.cloud.len());
             let begun = begun.map_err(|goodbye| self.start_failure(goodbye))?;
             let _ = self.process.introduction.set(begun.introduction().clone());
-            self.has_answered = false;
+            (self.has_answered, self.meter) = (false, ProcessMeter::default());
             begun
         };
         let limit = if self.has_answered {
@@ -175,6 +181,20 @@ impl ProcessDetector {
         answered.map(|it| it.wall)
     }
 
+    /// Instructions so far, while its program runs and is counted.
+    fn count_so_far(&mut self) -> Option<u64> {
+        if self.counter == Some(Counter::Processor) {
+            self.meter.begin(&Hardware::INSTRUCTIONS, &self.conversation.as_ref()?.processes());
+        }
+        self.meter.n_so_far()
+    }
+
+    fn count_since(&mut self, before: Option<u64>) -> Count {
+        let n_instructions = self.meter.n_so_far().zip(before).map(|(after, before)| after - before);
+        let processes = self.conversation.as_ref().map_or_else(Vec::new, Conversation::processes);
+        Count { n_instructions, peak_bytes: peak_bytes_of(&processes) }
+    }
+
     fn take(
         &mut self,
         found: Found,
@@ -214,14 +234,20 @@ impl RunningDetector for ProcessDetector {
         output.clear();
         self.clusters.clear();
         self.products.clear();
+        let before = self.count_so_far();
         let Answered { found, wall, cpu } = self.ask(scan, time_s)?;
+        let count = self.counter.is_some().then(|| self.count_since(before));
         if let Err(problem) = self.take(found, &scan.cloud, output) {
             output.clear();
             self.products.clear();
             return Err(self.failure(Some(scan), problem));
         }
         let overhead = self.time_overhead(scan, time_s);
-        Ok(DetectionTime { wall: Some(wall), cpu, overhead })
+        Ok(DetectionTime { wall: Some(wall), cpu, overhead, count })
+    }
+
+    fn count_by(&mut self, counter: &Counter) {
+        self.counter = Some(counter.clone());
     }
 
     fn may_give_classes(&self) -> bool {

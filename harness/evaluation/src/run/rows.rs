@@ -93,6 +93,7 @@ pub(crate) fn scan_row(
     let counts = Counts::of(assignment);
     // The times are those of the whole detection, and stand in the rows of all objects.
     let time_ms = |time: Option<Duration>| time.filter(|_| assignment.task.class().is_none()).map(ms);
+    let counted = result.times.count.filter(|_| assignment.task.class().is_none());
     let n_dropped = |reasons: &[DropReason]| {
         let dropped = result.output.dropped_clusters.iter();
         dropped.filter(|cluster| reasons.contains(&cluster.reason)).count() as u64
@@ -113,6 +114,8 @@ pub(crate) fn scan_row(
             reference_ms: time_ms(result.times.reference),
             cpu_ms: time_ms(result.times.cpu),
             overhead_ms: time_ms(result.times.overhead),
+            n_instructions: counted.and_then(|it| it.n_instructions),
+            peak_bytes: counted.and_then(|it| it.peak_bytes),
             counts: counts.scored(FalseDetections::of(&dataset.annotated, assignment.task)),
             n_ignored_annotations: counts.n_ignored_annotations,
             n_ignored_detections: counts.n_ignored_detections,

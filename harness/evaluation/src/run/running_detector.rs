@@ -9,16 +9,19 @@ use scans::dataset::kitti::label::KittiObject;
 use scans::dataset::official::OfficialObject;
 
 use crate::process::problem::DetectorFailure;
+use crate::run::counter::{Count, Counter, OwnMeter};
 
-/// The times of a detection.
+/// The times of a detection, and what was counted.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub struct DetectionTime {
-    /// Wall-clock time; `None` if the detections were read instead of made.
+    /// Wall-clock time; `None` if the detections were read instead of made, or slowed down to be counted.
     pub wall: Option<Duration>,
     /// Time on processors, on all threads and in all processes of the detector; `None` if the system does not report it.
     pub cpu: Option<Duration>,
     /// Time of the way to the detector and back, measured separately; `None` if there is no such way or it was not measured.
     pub overhead: Option<Duration>,
+    /// Instructions and memory; `None` unless they were to be [counted](RunningDetector::count_by).
+    pub count: Option<Count>,
 }
 
 /// A program that has been started.
@@ -46,6 +49,9 @@ pub trait RunningDetector: Send {
         time_s: f64,
         output: &mut DetectorOutput,
     ) -> Result<DetectionTime, DetectorFailure>;
+
+    /// Counts what its detections take from now on. Detectors whose results are read take nothing.
+    fn count_by(&mut self, _counter: &Counter) {}
 
     /// Products of the stages of the latest detection, as [`Detector::stage_products`].
     fn stage_products(&self, cloud: &PointCloud) -> Vec<StageProduct>;
@@ -96,6 +102,7 @@ pub trait RunningDetector: Send {
 pub struct BuiltIn {
     name: &'static str,
     detector: Box<dyn Detector>,
+    meter: Option<OwnMeter>,
     // Number of detections, and of those that left groups uncut.
     n_detections: usize,
     n_with_groups_uncut: usize,
@@ -104,7 +111,7 @@ pub struct BuiltIn {
 impl BuiltIn {
     /// `detector` under `name`.
     pub fn new(name: &'static str, detector: Box<dyn Detector>) -> Self {
-        Self { name, detector, n_detections: 0, n_with_groups_uncut: 0 }
+        Self { name, detector, meter: None, n_detections: 0, n_with_groups_uncut: 0 }
     }
 }
 
@@ -121,12 +128,24 @@ impl RunningDetector for BuiltIn {
     ) -> Result<DetectionTime, DetectorFailure> {
         let cpu_before = own_cpu_time();
         let started = Instant::now();
-        self.detector.detect(&scan.cloud, output);
+        let mut detect = || self.detector.detect(&scan.cloud, output);
+        let count = if let Some(meter) = &mut self.meter {
+            Some(meter.measure(&mut detect))
+        } else {
+            detect();
+            None
+        };
         let wall = started.elapsed();
         self.n_detections += 1;
         self.n_with_groups_uncut += usize::from(output.n_left_uncut > 0);
         let cpu = own_cpu_time().zip(cpu_before).map(|(after, before)| after.saturating_sub(before));
-        Ok(DetectionTime { wall: Some(wall), cpu, overhead: None })
+        let is_timed = self.meter.as_ref().is_none_or(|it| !it.is_slow());
+        let [wall, cpu] = [Some(wall), cpu].map(|it| it.filter(|_| is_timed));
+        Ok(DetectionTime { wall, cpu, overhead: None, count })
+    }
+
+    fn count_by(&mut self, counter: &Counter) {
+        self.meter = Some(OwnMeter::new(counter.clone()));
     }
 
     fn stage_products(&self, cloud: &PointCloud) -> Vec<StageProduct> {

@@ -17,6 +17,7 @@ use crate::matching::class_criteria::ClassCriteria;
 use crate::matching::lost_points::LostPoints;
 use crate::matching::outcome::Assignment;
 use crate::process::problem::DetectorFailure;
+use crate::run::counter::{Count, Counter};
 use crate::run::given_classes::GivesClasses;
 use crate::run::grid_write::GridWrite;
 use crate::run::running_detector::{DetectionTime, RunningDetector};
@@ -41,6 +42,8 @@ pub struct SideBySide<'a> {
     pub n_repeats: NonZeroUsize,
     /// Number of scans that are read (or simulated) at once, each on its own thread. No scan is read while a detector runs.
     pub n_jobs: usize,
+    /// Who counts instructions and memory, if they are counted.
+    pub counter: Option<&'a Counter>,
     /// Whether the run goes on if a detector fails.
     pub on_failure: OnDetectorFailure,
     /// Ends the run at the next scan once it is set.
@@ -87,6 +90,8 @@ pub struct DetectionTimes {
     pub overhead: Option<Duration>,
     /// The shortest time of the [reference](GridWrite), which takes turns with the detectors; `None` if it was not timed.
     pub reference: Option<Duration>,
+    /// What was counted in the first repetition, if anything was.
+    pub count: Option<Count>,
 }
 
 /// One scan with the results of all detectors.
@@ -155,6 +160,11 @@ impl SideBySide<'_> {
         mut on_scan: impl FnMut(ScanResults<'_>) -> Result<(), E>,
     ) -> Result<(), E> {
         let mut is_warm = false;
+        if let Some(counter) = self.counter {
+            for detector in detectors.iter_mut() {
+                detector.count_by(counter);
+            }
+        }
         let mut reference = GridWrite::default();
         let mut outputs = vec![DetectorOutput::default(); detectors.len()];
         let mut gives: Vec<GivesClasses> = detectors.iter().map(|it| GivesClasses::of(&**it)).collect();
@@ -335,6 +345,7 @@ impl Turns {
                 let least = |old: Option<Duration>, new: Option<Duration>| old.into_iter().chain(new).min();
                 self.times.first = self.times.first.or(taken.wall);
                 self.times.cpu = self.times.cpu.or(taken.cpu);
+                self.times.count = self.times.count.or(taken.count);
                 self.times.least = least(self.times.least, taken.wall);
                 self.times.overhead = least(self.times.overhead, taken.overhead);
             }

@@ -244,6 +244,7 @@ mod tests {
             },
             n_warmup: 1,
             n_repeats: NonZeroUsize::MIN,
+            counter: None,
             // Scans that are read at once are still reported in order.
             n_jobs: 2,
             on_failure: OnDetectorFailure::Stop,

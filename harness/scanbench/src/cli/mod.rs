@@ -45,7 +45,7 @@ pub use partial::{LearnedFrom, PartialArgs};
 pub use protocols::ProtocolArgs;
 pub use reproduce::{ChosenFor, PaperName, ReproduceArgs};
 pub use results::{NamedResults, ResultFilesArgs};
-pub use run::RunArgs;
+pub use run::{CountedBy, RunArgs};
 pub use serve::{RESULTS, ServeArgs};
 pub use shard::ShardArgs;
 pub use stream::StreamArgs;

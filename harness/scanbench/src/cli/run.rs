@@ -60,7 +60,7 @@ pub struct RunArgs {
             "datasets", "scans", "config", "parameters", "criterion", "only", "protocols", "output", "overwrite", "shard",
             "skip_damaged", "labels_are_right", "mcap", "detections_out", "result_format", "save_rrd", "connect", "serve",
             "spawn", "blocks", "repeats", "warmup", "jobs", "seed", "simulated_scans", "sensor", "sensor_height", "transform",
-            "columns", "classes", "on_detector_failure"
+            "columns", "classes", "on_detector_failure", "count"
         ]
     )]
     pub add_to: Option<PathBuf>,
@@ -76,6 +76,13 @@ pub struct RunArgs {
     /// times; everything else takes the first.
     #[arg(long, value_name = "N", default_value = "1", value_parser = repeats, help_heading = DETECTORS)]
     pub repeats: NonZeroUsize,
+    /// Count instructions and memory of each detection, too
+    ///
+    /// They hardly depend on what else the machine does. The processor counts, if the system lets it; else valgrind can, which
+    /// takes 50 times as long, counts built-in detectors alone, and measures no times: take few scans.
+    #[arg(long, value_enum, value_name = "BY", num_args = 0..=1, require_equals = true, default_missing_value = "processor")]
+    #[arg(hide_short_help = true, help_heading = DETECTORS)]
+    pub count: Option<CountedBy>,
     /// What to do if a detector of scanbench.toml fails
     #[arg(long, value_enum, value_name = "RULE", default_value = "stop", help_heading = DETECTORS)]
     #[arg(hide_short_help = true)]
@@ -100,6 +107,15 @@ pub struct RunArgs {
     /// What is streamed to Rerun.
     #[command(flatten)]
     pub stream: StreamArgs,
+}
+
+/// Who counts instructions.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub enum CountedBy {
+    /// The processor, through the kernel's `perf_event`
+    Processor,
+    /// valgrind, which simulates one
+    Valgrind,
 }
 
 /// What becomes of a run where a detector gives no answer.

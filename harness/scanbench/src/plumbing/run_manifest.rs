@@ -72,6 +72,7 @@ pub fn run_manifest(settings: RunSettings<'_>) -> Manifest {
         experiment: None,
         sweep: None,
         partial: None,
+        counted_by: None,
         shard: None,
         shards: Vec::new(),
         protocols: settings.protocols.to_vec(),

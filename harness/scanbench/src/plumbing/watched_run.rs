@@ -3,6 +3,7 @@
 use std::num::NonZeroUsize;
 
 use evaluation::run::compared_detector::ComparedDetector;
+use evaluation::run::counter::Counter;
 use evaluation::run::running_detector::RunningDetector;
 use evaluation::run::side_by_side::{OnDetectorFailure, SideBySide};
 use evaluation::run::sink::{RunSink, Sinks, run_watched};
@@ -28,6 +29,8 @@ pub struct WatchedRun<'a> {
     pub n_warmup: u16,
     /// How often each detector looks at each scan.
     pub n_repeats: NonZeroUsize,
+    /// Who counts instructions and memory, if they are counted.
+    pub counter: Option<&'a Counter>,
     /// Scans that are read at once.
     pub n_jobs: usize,
     pub on_failure: OnDetectorFailure,
@@ -50,6 +53,7 @@ impl<'a> WatchedRun<'a> {
             damage: DamagePolicy::Refuse,
             n_warmup,
             n_repeats: NonZeroUsize::MIN,
+            counter: None,
             n_jobs,
             on_failure: OnDetectorFailure::Stop,
             progress,
@@ -108,6 +112,7 @@ impl<'a> WatchedRun<'a> {
             class_criteria: &first.config.class_criteria,
             n_warmup: self.n_warmup.into(),
             n_repeats: self.n_repeats,
+            counter: self.counter,
             n_jobs: self.n_jobs,
             on_failure: self.on_failure,
             interrupted: interruption_flag(),

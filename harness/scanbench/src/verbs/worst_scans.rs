@@ -237,6 +237,7 @@ impl RunAgain {
                 class_criteria: &config.class_criteria,
                 n_warmup: n_warmup.into(),
                 n_repeats: NonZeroUsize::MIN,
+                counter: None,
                 n_jobs: 1,
                 on_failure: self.arguments.on_detector_failure.rule(),
                 interrupted,

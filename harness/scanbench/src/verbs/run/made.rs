@@ -2,6 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
+use evaluation::run::counter::Counter;
 use evaluation::run::scan_recorder::Served;
 use evaluation::run::sink::Sinks;
 use jiff::Timestamp;
@@ -21,6 +22,7 @@ use crate::plumbing::shards::work_output::{WorkOutput, refuse_what_is_for_whole_
 use crate::plumbing::sinks::detection_files::DetectionFiles;
 use crate::plumbing::sinks::mcap_results::McapResults;
 use crate::plumbing::watched_run::WatchedRun;
+use crate::verbs::run::counted::counter_of;
 use crate::verbs::run::setup::{ChosenRun, OpenedRun};
 
 /// A finished run: its directory, its facts, and the server that still serves its recording.
@@ -29,11 +31,12 @@ pub type MadeRun = (PathBuf, WholeRun, Option<Box<dyn Served>>);
 /// Makes a run; `None` if it is a shard.
 pub fn made_run(arguments: &RunArgs) -> Result<Option<MadeRun>, Failure> {
     refuse_what_is_for_whole_runs(arguments.shard.shard, &arguments.stream)?;
+    let counter = counter_of(arguments)?;
     let chosen = ChosenRun::of(arguments)?;
     let mut output = WorkOutput::claim(Study::Run, arguments.shard.shard, &arguments.output)?;
     output.is_kept &= arguments.add_to.is_none();
     let started = output.started;
-    let mut study = RunStudy { arguments, opened: chosen.open(arguments)?, started };
+    let mut study = RunStudy { arguments, opened: chosen.open(arguments)?, counter, started };
     let Some((made, served)) = execute_watched(&mut study, output)? else { return Ok(None) };
     let (finished, run) = made.finish()?;
     Ok(Some((finished, run, served)))
@@ -42,6 +45,7 @@ pub fn made_run(arguments: &RunArgs) -> Result<Option<MadeRun>, Failure> {
 struct RunStudy<'a> {
     arguments: &'a RunArgs,
     opened: OpenedRun,
+    counter: Option<Counter>,
     started: Timestamp,
 }
 
@@ -55,7 +59,8 @@ impl WatchedStudy for RunStudy<'_> {
     }
 
     fn manifest(&self) -> Manifest {
-        self.opened.manifest(self.arguments, self.started)
+        let counted_by = self.counter.as_ref().map(|it| it.name().to_owned());
+        Manifest { counted_by, ..self.opened.manifest(self.arguments, self.started) }
     }
 
     fn rules(&self) -> Value {
@@ -67,7 +72,7 @@ impl WatchedStudy for RunStudy<'_> {
     }
 
     fn watched<'a>(&'a self, progress: &'a RunProgress) -> WatchedRun<'a> {
-        self.opened.watched(self.arguments, progress)
+        WatchedRun { counter: self.counter.as_ref(), ..self.opened.watched(self.arguments, progress) }
     }
 
     fn begin_recording(&self, name: &str, file: PathBuf) -> Result<Option<(Recorder, u64)>, Failure> {
