@@ -406,11 +406,11 @@ mod tests {
     fn rows_read_back_as_they_were() {
         let text = csv_text(&rows());
         insta::assert_snapshot!(text, @r#"
-        dataset,sequence,scan,time_s,detector,task,status,reason,n_points,checksum,latency_ms,least_latency_ms,reference_ms,cpu_ms,overhead_ms,no,tp,mo,fo,ignored_annotations,ignored_detections,unknowable_detections,split,holding,joining,touching,ose_nats,use_nats,dropped_too_small,dropped_too_large
-        "kitti, tracking",0000,0,0.000,kd-tree,objects,evaluated,,120000,00c0ffee,,,,,,7,5,2,4,3,2,40,1,6,2,8,0.500000,0.250000,900,1
-        "kitti, tracking",0000,1,0.100,kd-tree,objects,evaluated,,120000,00c0ffee,8.250,8.250,0.2500,16.500,0.125,7,5,2,,3,2,40,1,6,2,8,0.500000,0.250000,900,1
-        "kitti, tracking",0000,2,0.200,kd-tree,objects,skipped,label file is cut at line 7,,,,,,,,,,,,,,,,,,,,,,
-        "kitti, tracking",0000,3,0.300,kd-tree,objects,failed,it closed its pipe,120000,00c0ffee,,,,,,7,5,2,0,3,2,40,1,6,2,8,0.500000,0.250000,900,1
+        dataset,sequence,scan,time_s,detector,task,status,reason,n_points,checksum,latency_ms,least_latency_ms,reference_ms,cpu_ms,overhead_ms,instructions,peak_bytes,no,tp,mo,fo,ignored_annotations,ignored_detections,unknowable_detections,split,holding,joining,touching,ose_nats,use_nats,dropped_too_small,dropped_too_large
+        "kitti, tracking",0000,0,0.000,kd-tree,objects,evaluated,,120000,00c0ffee,,,,,,,,7,5,2,4,3,2,40,1,6,2,8,0.500000,0.250000,900,1
+        "kitti, tracking",0000,1,0.100,kd-tree,objects,evaluated,,120000,00c0ffee,8.250,8.250,0.2500,16.500,0.125,31000123,4096,7,5,2,,3,2,40,1,6,2,8,0.500000,0.250000,900,1
+        "kitti, tracking",0000,2,0.200,kd-tree,objects,skipped,label file is cut at line 7,,,,,,,,,,,,,,,,,,,,,,,,
+        "kitti, tracking",0000,3,0.300,kd-tree,objects,failed,it closed its pipe,120000,00c0ffee,,,,,,,,7,5,2,0,3,2,40,1,6,2,8,0.500000,0.250000,900,1
         "#);
         assert_eq!(rows_of::<ScanRow>(&text).unwrap(), rows());
     }

@@ -81,7 +81,8 @@ impl Tabular for TimesTable {
                       where several work at once.";
         let of_overhead = "overhead: median of the way to a detector that is a program of its own, and back, measured beside it \
                        with one that reads the points and finds nothing.";
-        let of_instructions = "instructions: mean of a scan in user mode, on all threads and in all processes of the detector.";
+        let of_instructions =
+            "instructions: mean of a scan in user mode, on all threads and in all processes of the detector.";
         let of_memory = "memory: mean over scans of the most at once; of a built-in detector what its detections allocate, of \
                          a program what its processes have in memory.";
         let of_some = [

@@ -96,7 +96,9 @@ impl OwnMeter {
     /// What `detect` takes.
     pub fn measure(&mut self, detect: &mut dyn FnMut()) -> Count {
         let before = self.of_thread_so_far();
-        let memory = allocation_counter::measure(|| drop(std::hint::black_box(counted_detection(detect))));
+        let memory = allocation_counter::measure(|| {
+            std::hint::black_box(counted_detection(detect));
+        });
         let n_instructions = match &self.counter {
             Counter::Processor => self.of_thread_so_far().zip(before).map(|(after, before)| after - before),
             Counter::Valgrind(dumps) => taken_from_dump(dumps),
@@ -143,9 +145,10 @@ pub fn valgrind_options(dumps: &Path) -> Vec<String> {
     ]
 }
 
-/// Reads the sum of the only file of callgrind in `dumps`, and removes it.
+/// Reads the sum of the only numbered file of callgrind in `dumps`, and removes it. The one without a number is for the end.
 fn taken_from_dump(dumps: &Path) -> Option<u64> {
-    let path = std::fs::read_dir(dumps).ok()?.flatten().next()?.path();
+    let path =
+        std::fs::read_dir(dumps).ok()?.flatten().map(|it| it.path()).find(|it| it.extension().is_some())?;
     let text = std::fs::read_to_string(&path).ok()?;
     std::fs::remove_file(path).ok()?;
     text.lines().find_map(|it| it.strip_prefix("totals:"))?.trim().parse().ok()
@@ -230,6 +233,7 @@ mod tests {
     #[test]
     fn a_dump_is_read_once() {
         let folder = tempfile::tempdir().unwrap();
+        std::fs::write(folder.path().join("dump"), "").unwrap();
         std::fs::write(folder.path().join("dump.3"), "desc: x\nfn=(1) f\n12 34\ntotals: 567\n").unwrap();
         assert_eq!([taken_from_dump(folder.path()), taken_from_dump(folder.path())], [Some(567), None]);
     }

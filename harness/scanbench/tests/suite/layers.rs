@@ -256,7 +256,7 @@ const PAST_THE_DOORS: [&str; 11] = [
 ];
 
 /// The doors, and files that open what nobody else can have put there, or what the user has named.
-const OPENING: [(&str, &str, &str); 19] = [
+const OPENING: [(&str, &str, &str); 20] = [
     ("reports", "files::regular_file", "the door for reading"),
     ("reports", "files::new_file", "the door for writing"),
     ("reports", "files::new_folders", "folders on the way to a result that the user names"),
@@ -268,6 +268,11 @@ const OPENING: [(&str, &str, &str); 19] = [
     ("harness/evaluation", "process::shared_cloud", "memory that is made anew"),
     ("harness/evaluation", "process::received_cloud", "memory of the program that asks"),
     ("harness/evaluation", "process::supervisor", "what the system says of processes; /dev/null"),
+    (
+        "harness/evaluation",
+        "run::counter",
+        "what the system says of processes; a folder that was made for valgrind's counts",
+    ),
     ("harness/viewer", "recording_file", "a device or a pipe that the user names"),
     ("harness/remote", "local_file", "the door of a crate that uses no other"),
     ("harness/remote", "transfer", "folders of what is fetched"),

@@ -14,12 +14,16 @@ pub fn counter_of(arguments: &RunArgs) -> Result<Option<Counter>, Failure> {
         None => Ok(None),
         Some(CountedBy::Processor) => {
             let or_else = "with --count=valgrind it is counted without, 50 times as slowly";
-            let counter = Counter::of_processor().map_err(|error| Usage(format!("--count: {error}; {or_else}")))?;
+            let counter =
+                Counter::of_processor().map_err(|error| Usage(format!("--count: {error}; {or_else}")))?;
             Ok(Some(counter))
         }
         Some(CountedBy::Valgrind) => {
             let dumps = std::env::var_os(DUMPS).ok_or_else(|| {
-                Usage("detectors cannot be added to a run that valgrind counted: make it again with all".to_owned())
+                Usage(
+                    "detectors cannot be added to a run that valgrind counted: make it again with all"
+                        .to_owned(),
+                )
             })?;
             Ok(Some(Counter::Valgrind(dumps.into())))
         }
