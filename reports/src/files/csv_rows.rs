@@ -14,6 +14,9 @@ use crate::files::whole_file::WholeFile;
 /// The longest line of a CSV file that is read, in bytes.
 pub const MOST_OF_LINE: u64 = 1 << 20;
 
+/// Columns that files of earlier programs lack; their values are empty there.
+const ADDED_LATER: [&str; 2] = ["instructions", "peak_bytes"];
+
 /// A row of a CSV file.
 pub trait CsvRow: Serialize + DeserializeOwned {
     /// The columns, in order; units are in the names.
@@ -244,7 +247,9 @@ pub fn each_row_of<Row: CsvRow>(
     let bad_row = |source| ArchiveError::Csv { path: path.to_path_buf(), source };
     let mut reader = csv::Reader::from_reader(BoundedLines::new(reader, MOST_OF_LINE));
     let columns = reader.headers().map_err(bad_row)?;
-    if !columns.iter().eq(Row::COLUMNS.iter().copied()) {
+    let is_early = |it: &&str| !ADDED_LATER.contains(it);
+    let has_all = columns.iter().eq(Row::COLUMNS.iter().copied());
+    if !has_all && !columns.iter().eq(Row::COLUMNS.iter().copied().filter(is_early)) {
         return Err(ArchiveError::Columns {
             path: path.to_path_buf(),
             expected: Row::COLUMNS.join(","),
@@ -253,6 +258,11 @@ pub fn each_row_of<Row: CsvRow>(
     }
     let mut record = csv::StringRecord::new();
     while reader.read_record(&mut record).map_err(bad_row)? {
+        if !has_all {
+            let mut early = record.iter();
+            let values = Row::COLUMNS.iter().map(|it| if is_early(it) { early.next() } else { Some("") });
+            record = values.map(Option::unwrap_or_default).collect();
+        }
         // Fields are read by index: the check above has made sure of the columns.
         on_row(record.deserialize(None).map_err(bad_row)?);
     }

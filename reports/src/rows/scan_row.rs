@@ -416,6 +416,18 @@ mod tests {
     }
 
     #[test]
+    fn a_file_from_before_instructions_were_counted_is_read() {
+        let text = csv_text(&[row(0, numbers(None, Some(4)))]);
+        let early = text.replace("instructions,peak_bytes,", "").replace("00c0ffee,,", "00c0ffee,").replacen(
+            "00c0ffee,,",
+            "00c0ffee,",
+            1,
+        );
+        assert_eq!(early.matches(',').count(), text.matches(',').count() - 4);
+        assert_eq!(rows_of::<ScanRow>(&early).unwrap(), rows_of::<ScanRow>(&text).unwrap());
+    }
+
+    #[test]
     fn a_file_without_rows_has_columns() {
         let text = csv_text::<ScanRow>(&[]);
         assert_eq!(text.trim_end().split(',').count(), ScanRow::COLUMNS.len());
