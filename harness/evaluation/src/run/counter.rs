@@ -11,7 +11,7 @@ use perf_event::events::{Event, Hardware};
 pub enum Counter {
     /// The processor; the kernel hands its counts out as `perf_event`.
     Processor,
-    /// valgrind, which this program runs under. It leaves a file in this folder after each [`counted_detection`].
+    /// valgrind, which this program runs under. It leaves a file in this folder after each `counted_detection`.
     Valgrind(PathBuf),
 }
 
@@ -131,7 +131,7 @@ fn counted_detection(detect: &mut dyn FnMut()) -> bool {
     std::hint::black_box(true)
 }
 
-/// Options of valgrind for a program that counts by [`Counter::Valgrind`] with this folder.
+/// Options of valgrind for a program that counts by `Counter::Valgrind` with this folder.
 pub fn valgrind_options(dumps: &Path) -> Vec<String> {
     let file = dumps.join("dump");
     let function = "evaluation::run::counter::counted_detection";
