@@ -15,6 +15,7 @@ use rerun::{Component as _, ComponentDescriptor, ComponentIdentifier, Serialized
 use super::box_edges::box_edges;
 use super::legend;
 use super::palette::Rgb;
+use super::rounding::Rounding;
 
 /// Cells are drawn at least this high, so that a flat one can be seen.
 const MIN_CELL_HEIGHT_M: f32 = 0.04;
@@ -97,20 +98,25 @@ pub struct Column {
 }
 
 /// Solid square columns over the ground, without their colour.
-pub fn columns(side_m: f32, columns: impl Iterator<Item = Column> + Clone) -> Boxes3D {
+pub fn columns(
+    side_m: f32,
+    rounding: Rounding,
+    columns: impl Iterator<Item = Column> + Clone,
+) -> Boxes3D {
     let half_side_m = side_m * 0.46;
     let centers_m = columns.clone().map(|Column { center_m: [x_m, y_m], z_range_m: [low_m, high_m] }| {
-        [x_m, y_m, f32::midpoint(low_m, high_m)]
+        [x_m, y_m, rounding.coordinate_m(f32::midpoint(low_m, high_m))]
     });
     let half_sizes_m = columns.map(|Column { z_range_m: [low_m, high_m], .. }| {
-        [half_side_m, half_side_m, (high_m - low_m).max(MIN_CELL_HEIGHT_M) / 2.0]
+        let half_height_m = rounding.coordinate_m((high_m - low_m) / 2.0).max(MIN_CELL_HEIGHT_M / 2.0);
+        [half_side_m, half_side_m, half_height_m]
     });
     Boxes3D::from_centers_and_half_sizes(centers_m, half_sizes_m).with_fill_mode(FillMode::Solid)
 }
 
 /// The lines of a graph.
-pub fn links<'a>(links: impl Iterator<Item = &'a ProductLink>) -> LineStrips3D {
-    LineStrips3D::new(links.map(|it| it.ends_m))
+pub fn links<'a>(rounding: Rounding, links: impl Iterator<Item = &'a ProductLink>) -> LineStrips3D {
+    LineStrips3D::new(links.map(|it| it.ends_m.map(|end_m| rounding.position_m(end_m))))
 }
 
 /// Straight lines from end to end.
@@ -119,9 +125,9 @@ pub fn segments(segments: &[[[f32; 3]; 2]]) -> LineStrips3D {
 }
 
 /// Closed outlines; the first vertex of each is repeated at its end.
-pub fn contours(contours: &[Vec<[f32; 3]>]) -> LineStrips3D {
+pub fn contours(rounding: Rounding, contours: &[Vec<[f32; 3]>]) -> LineStrips3D {
     let closed = contours.iter().map(|contour| contour.iter().chain(contour.first()).copied());
-    LineStrips3D::new(closed.map(Iterator::collect::<Vec<_>>))
+    LineStrips3D::new(closed.map(|it| rounding.line_m(&it.collect::<Vec<_>>())))
 }
 
 /// A line of text in two dimensions.

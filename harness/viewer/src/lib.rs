@@ -12,6 +12,7 @@ mod legend;
 mod entity_paths;
 mod recording_axis;
 mod recording;
+mod rounding;
 mod drawn_points;
 mod box_edges;
 mod archetypes;

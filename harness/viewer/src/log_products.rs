@@ -13,6 +13,7 @@ use super::drawn_points::DrawnPoints;
 use super::entity_paths::{PointColumns, ProductKind};
 use super::error::StreamError;
 use super::palette::{self, Rgb};
+use super::rounding::Rounding;
 use super::{archetypes, entity_paths, legend, recording};
 
 /// Half the width of a line, in pixels of a screen of normal density.
@@ -54,7 +55,7 @@ pub fn log_products(
     for product in products {
         if let Some(kind) = ProductKind::of(&product.shape) {
             let path = entity_paths::stage_product(detector, kind, product);
-            log_entity(stream, path, product, &mut logged)?;
+            log_entity(stream, path, product, points.rounding(), &mut logged)?;
         }
     }
     Ok(logged)
@@ -65,17 +66,20 @@ fn log_entity(
     stream: &RecordingStream,
     path: EntityPath,
     product: &StageProduct,
+    rounding: Rounding,
     logged: &mut BTreeSet<EntityPath>,
 ) -> Result<(), StreamError> {
     let color = palette::line_color(product.name);
     match &product.shape {
         Shape::LabeledPoints(_) | Shape::Clusters(_) => return Ok(()),
-        Shape::Cells { cell_size_m, cells } => return log_cells(stream, &path, *cell_size_m, cells, logged),
-        Shape::Links(links) => return log_links(stream, &path, links, logged),
+        Shape::Cells { cell_size_m, cells } => {
+            return log_cells(stream, &path, (*cell_size_m, rounding), cells, logged);
+        },
+        Shape::Links(links) => return log_links(stream, &path, rounding, links, logged),
         Shape::ObjectCells { cell_size_m, cells } => {
             let columns = cells.iter().map(|it| Column { center_m: it.center_m, z_range_m: it.z_range_m });
             let ids = cells.iter().map(|cell| legend::cluster_id(cell.object));
-            let drawn = archetypes::columns(*cell_size_m, columns).with_class_ids(ids);
+            let drawn = archetypes::columns(*cell_size_m, rounding, columns).with_class_ids(ids);
             recording::log(stream, path.clone(), &drawn)?;
         }
         Shape::Segments(segments) => {
@@ -83,7 +87,7 @@ fn log_entity(
             recording::log(stream, path.clone(), &drawn)?;
         }
         Shape::Contours(contours) => {
-            let drawn = colored_lines(archetypes::contours(contours), color);
+            let drawn = colored_lines(archetypes::contours(rounding, contours), color);
             recording::log(stream, path.clone(), &drawn)?;
         }
         Shape::Spheres(spheres) => {
@@ -107,7 +111,7 @@ fn log_entity(
 fn log_cells(
     stream: &RecordingStream,
     product: &EntityPath,
-    cell_size_m: f32,
+    (cell_size_m, rounding): (f32, Rounding),
     cells: &[ProductCell],
     logged: &mut BTreeSet<EntityPath>,
 ) -> Result<(), StreamError> {
@@ -117,7 +121,7 @@ fn log_cells(
             continue;
         }
         let columns = of_class.map(|it| Column { center_m: it.center_m, z_range_m: it.z_range_m });
-        let drawn = archetypes::columns(cell_size_m, columns).with_class_ids([legend::surface_id(class)]);
+        let drawn = archetypes::columns(cell_size_m, rounding, columns).with_class_ids([legend::surface_id(class)]);
         let path = entity_paths::product_part(product, class.name());
         recording::log(stream, path.clone(), &drawn)?;
         logged.insert(path);
@@ -129,6 +133,7 @@ fn log_cells(
 fn log_links(
     stream: &RecordingStream,
     product: &EntityPath,
+    rounding: Rounding,
     links: &[ProductLink],
     logged: &mut BTreeSet<EntityPath>,
 ) -> Result<(), StreamError> {
@@ -137,7 +142,7 @@ fn log_links(
         if of_fate.clone().next().is_none() {
             continue;
         }
-        let drawn = archetypes::links(of_fate)
+        let drawn = archetypes::links(rounding, of_fate)
             .with_radii([Radius::new_ui_points(LINK_RADIUS_PX)])
             .with_class_ids([legend::link_id(fate)]);
         let path = entity_paths::product_part(product, fate.name());

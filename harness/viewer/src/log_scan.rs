@@ -35,7 +35,8 @@ pub fn log_scan(
 ) -> Result<(), StreamError> {
     let scan = view.scan;
     let cloud = &scan.cloud;
-    let positions_m = drawn_points.indices().map(|point_idx| cloud.position_m(point_idx));
+    let rounding = drawn_points.rounding();
+    let positions_m = drawn_points.indices().map(|it| rounding.position_m(cloud.position_m(it)));
     let radius = Radius::new_ui_points(POINT_RADIUS_PX);
     let points = archetypes::points(positions_m, radius, legend::rgba(palette::GREY));
     recording::log(stream, entity_paths::POINTS, &points)?;
