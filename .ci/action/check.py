@@ -22,7 +22,7 @@ ROOT = Path(__file__).resolve().parents[2]
 GATE = ROOT / ".github/action/gate.sh"
 # Ten drives of few beams: enough for a loss to be sure.
 SCANS = "street-narrow --simulated-scans 20 --scans 0..20:2 --sensor vlp-16 -d 'pca'"
-PAGES = ("run/report.html", "run/run.rrd", "verdict/gate.json", "verdict/junit.xml", "gate.txt")
+PAGES = ("run/report.html", "run/recording/layout.rrd", "verdict/gate.json", "verdict/junit.xml", "gate.txt")
 
 
 @dataclass

@@ -425,7 +425,7 @@ def picture(results: list[Result], source: str, target: str, words: str) -> tupl
 
 def viewer(results: list[Result], target: str, words: str) -> tuple[str, dict[str, bytes]]:
     """The recording of a run as the Rerun viewer shows it."""
-    return taken("recordings", left(results[0], "run.rrd"), target, words)
+    return taken("recordings", left(results[0], "recording"), target, words)
 
 
 def report_page(results: list[Result], target: str, words: str) -> tuple[str, dict[str, bytes]]:

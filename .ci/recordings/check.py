@@ -15,6 +15,7 @@ from pathlib import Path
 
 from rerun.experimental import RrdReader
 
+from layers import whole
 from program import run
 
 ALL = ["hierarchical", "kd-tree", "pca"]
@@ -31,8 +32,8 @@ PRODUCTS = {
     "kd-tree": [*WALLS, HULLS, BOXES, SPHERES],
     "pca": [*FOREGROUND, "contours/boxes/rectangles", BOXES],
 }
-# Columns of the points: what they are, by id and by colour, and what they belong to, by colour.
-CLASSES = ["foreground:points", "foreground:points:colors"]
+# Columns of the points: the colours of what they are, and of what they belong to.
+CLASSES = ["foreground:points:colors"]
 LABELS = {
     "hierarchical": [*CLASSES, "grouping:smallest_groups:colors", "best_cut:clusters:colors"],
     "paper": [*CLASSES, "separation:clusters:colors"],
@@ -127,6 +128,8 @@ def main(scanbench, pictures, scratch, newest=None):
         "drives": "partial objects-approach --drives --per-class 2",
     }.items():
         run(scanbench, *command.split(), "-o", scratch / name)
+    for name in ("compare", "paper", "every"):
+        whole(scratch / name / "recording", scratch / name)
     compared = scratch / "compare/run.rrd"
     run(scanbench, "view", compared.parent, *"--worst 3 --task objects --rerun-points 20000".split())
     empty, unjudged = damaged(compared, "/"), damaged(compared, "/world/sensor/detectors/pca/outcomes")
@@ -139,17 +142,17 @@ def main(scanbench, pictures, scratch, newest=None):
         (compared, 4, ALL, False),
     ]:
         judge(path, problems_of_rows(path, n_scans, detectors), is_sound)
-    tabs = ["compare/run", "stages/run", "drive/run"]
+    tabs = ["compare/recording", "stages/recording", "drive/recording"]
     if not newest:
         print("newest viewer: NOT TRIED, the package index has none that runs here", flush=True)
     for binaries in [None, *([newest / "bin"] if newest else [])]:
         print(f"viewer {version_of(binaries)}", flush=True)
         of_viewer = pictures / "newest" if binaries else pictures
         of_viewer.mkdir(exist_ok=True)
-        for file in [*tabs, "compare/worst", "sweep/sweep", "partial/partial", "drives/partial"]:
+        for file in [*tabs, "compare/worst.rrd", "sweep/sweep.rrd", "partial/partial.rrd", "drives/partial.rrd"]:
             folder, name = file.split("/")
-            picture = of_viewer / f"{name if name == 'worst' else folder}.png"
-            judge(scratch / f"{file}.rrd", problems_of_views(scratch / f"{file}.rrd", picture, binaries), True)
+            picture = of_viewer / f"{'worst' if name == 'worst.rrd' else folder}.png"
+            judge(scratch / file, problems_of_views(scratch / file, picture, binaries), True)
         for path in (empty, unjudged):
             judge(path, problems_of_views(path, of_viewer / f"{path.stem}.png", binaries, 8), False)
         # Colours that the points do not have are not found.

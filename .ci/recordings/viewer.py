@@ -20,6 +20,8 @@ from pathlib import Path
 from PIL import Image
 from rerun.experimental import ViewerClient
 
+from layers import whole
+
 try:
     from rerun.chunk import RrdReader
 except ImportError:  # Before 0.41.
@@ -163,7 +165,9 @@ def problem_of(kind, is_judged, image, expected):
 
 def problems_of_views(path, picture):
     """What is wrong with the views in front."""
-    views, expected = views_in_front(path), colors_of_points(path)
+    with tempfile.TemporaryDirectory() as folder:
+        one = whole(path, Path(folder))
+        views, expected = views_in_front(one), colors_of_points(one)
     if os.environ.get("TURN_COLOURS"):
         expected = {view: {(b // 2, r, g): n for (r, g, b), n in colors.items()} for view, colors in expected.items()}
     # Where detectors are compared, each matches something, and one at least is wrong somewhere.

@@ -23,8 +23,8 @@ use scans::dataset::Dataset;
 use scans::dataset::scan_selection::ScanSelection;
 use simulator::catalogue::built_in_catalogue;
 use simulator::open::{OpenOptions, open_dataset};
-use viewer::run_recording::{RunRecording, RunRecordingOptions};
-use viewer::{ExistingRecording, FirstTab, Opening, PointChoice, StreamOptions, ViewerChoice};
+use viewer::run_recording::{RecordingPath, RunRecording, RunRecordingOptions};
+use viewer::{FirstTab, Opening, PointChoice, StreamOptions, ViewerChoice};
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
     // Cargo starts benchmarks in the folder of their package; paths are meant from the root.
@@ -76,8 +76,6 @@ fn record(
     let options = RunRecordingOptions {
         stream: StreamOptions {
             name: "benchmark".to_owned(),
-            file: file.to_owned(),
-            existing: ExistingRecording::Replace,
             viewer: ViewerChoice::None,
             opening: Opening {
                 shown_task: Task::Objects,
@@ -88,7 +86,7 @@ fn record(
             },
             points: PointChoice::default(),
         },
-        elsewhere: None,
+        path: RecordingPath::InRun(file.to_owned()),
         every: 1,
     };
     let mut recording = RunRecording::begin(options, &names)?;

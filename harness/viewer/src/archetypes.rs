@@ -6,9 +6,9 @@ use detector::OrientedBox;
 use detector::detection::SeenSides;
 use detector::stage_product::{ProductLink, ProductSphere};
 use re_sdk_types::archetypes::{Boxes3D, Ellipsoids3D, LineStrips3D, Points2D, Points3D};
-use re_sdk_types::components::{ClassId, Color, FillMode, Radius};
+use re_sdk_types::components::{Color, FillMode, Radius};
 use re_sdk_types::datatypes::{Quaternion, Rgba32};
-use rerun::external::arrow::array::{ArrayRef, FixedSizeListArray, Float32Array, UInt16Array, UInt32Array};
+use rerun::external::arrow::array::{ArrayRef, FixedSizeListArray, Float32Array, UInt32Array};
 use rerun::external::arrow::datatypes::{DataType, Field};
 use rerun::{Component as _, ComponentDescriptor, ComponentIdentifier, SerializedComponentBatch};
 
@@ -37,19 +37,12 @@ pub fn points(
     [Some(positions), radii, colors].into_iter().flatten().collect()
 }
 
-/// Column of colours, without effect until a view maps it to the points.
-///
-/// Viewers from 0.38 on draw mapped colours and ignore mapped class ids.
+/// Column of colours, without effect until a view maps it to the points. (Class ids would say more, but viewers from 0.38 on
+/// ignore those that are mapped.)
 pub fn colors(colors: Vec<Rgb>, column: ComponentIdentifier) -> SerializedComponentBatch {
     let descriptor = ComponentDescriptor::partial(column).with_component_type(Color::name());
     let colors = UInt32Array::from_iter_values(colors.into_iter().map(|it| legend::rgba(it).to_u32()));
     SerializedComponentBatch::new(Arc::new(colors), descriptor)
-}
-
-/// Column of class ids, without effect until a view maps it to the points.
-pub fn class_ids(ids: Vec<u16>, column: ComponentIdentifier) -> SerializedComponentBatch {
-    let descriptor = ComponentDescriptor::partial(column).with_component_type(ClassId::name());
-    SerializedComponentBatch::new(Arc::new(UInt16Array::from(ids)), descriptor)
 }
 
 /// Outlines of upright boxes.
@@ -98,11 +91,7 @@ pub struct Column {
 }
 
 /// Solid square columns over the ground, without their colour.
-pub fn columns(
-    side_m: f32,
-    rounding: Rounding,
-    columns: impl Iterator<Item = Column> + Clone,
-) -> Boxes3D {
+pub fn columns(side_m: f32, rounding: Rounding, columns: impl Iterator<Item = Column> + Clone) -> Boxes3D {
     let half_side_m = side_m * 0.46;
     let centers_m = columns.clone().map(|Column { center_m: [x_m, y_m], z_range_m: [low_m, high_m] }| {
         [x_m, y_m, rounding.coordinate_m(f32::midpoint(low_m, high_m))]

@@ -4,8 +4,8 @@ use detector::OrientedBox;
 use detector::detection::SeenSides;
 
 /// A dash and the gap after it, in metres.
-const DASH_M: f32 = 0.3;
-const GAP_M: f32 = 0.2;
+const DASH_M: f32 = 0.5;
+const GAP_M: f32 = 0.3;
 
 /// A straight line from end to end in metres.
 pub type Line = [[f32; 3]; 2];
@@ -61,7 +61,7 @@ mod tests {
         assert_eq!(full.len(), 7);
         assert!(full.iter().flatten().all(|[x_m, y_m, _]| *x_m == 8.0 || *y_m == -1.0), "{full:?}");
         // Twice 4 m and twice 2 m around, 1.5 m upwards.
-        assert_eq!(dashed.len(), 2 * 8 + 2 * 4 + 3);
+        assert_eq!(dashed.len(), 2 * 5 + 2 * 3 + 2);
     }
 
     #[test]
@@ -76,6 +76,6 @@ mod tests {
     fn dashes_end_with_their_line() {
         let dashes: Vec<Line> = dashes([[0.0; 3], [0.0, 1.1, 0.0]]).collect();
         let ends: Vec<f32> = dashes.iter().flatten().map(|it| (it[1] * 100.0).round() / 100.0).collect();
-        assert_eq!(ends, [0.0, 0.3, 0.5, 0.8, 1.0, 1.1]);
+        assert_eq!(ends, [0.0, 0.5, 0.8, 1.1]);
     }
 }

@@ -1,9 +1,10 @@
 //! Where things are in a recording.
 
+use detector::DetectedClass;
 use detector::stage_product::Shape;
-use detector::{DetectedClass, StageProduct};
 use reports::vocabulary::task::Task;
 use rerun::{ComponentIdentifier, EntityPath, EntityPathPart};
+use serde::{Deserialize, Serialize};
 
 use super::legend::OutcomeLayer;
 
@@ -22,7 +23,7 @@ pub const RANGE_RINGS: &str = "world/sensor/range_rings";
 pub const DRIVE: &str = "world/drive";
 /// Everything that does not depend on a detector.
 pub const SCAN: &str = "world/sensor/scan";
-/// The points of the scan, and columns of colours and of class ids per detector.
+/// The points of the scan, and columns of colours per detector.
 pub const POINTS: &str = "world/sensor/scan/points";
 /// The labelled objects.
 pub const ANNOTATIONS: &str = "world/sensor/scan/annotations";
@@ -51,7 +52,8 @@ pub const MISTAKES: &str = "mistakes";
 const DETECTORS: &str = "world/sensor/detectors";
 
 /// The kinds of stage products that have an entity of their own.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
 pub enum ProductKind {
     /// Columns over the ground.
     Cells,
@@ -119,8 +121,8 @@ pub fn products(detector: &str, kind: ProductKind) -> EntityPath {
 }
 
 /// One stage product that is no column of [`POINTS`].
-pub fn stage_product(detector: &str, kind: ProductKind, product: &StageProduct) -> EntityPath {
-    below(DETECTORS, &[detector, kind.path_part(), product.stage, product.name])
+pub fn stage_product(detector: &str, kind: ProductKind, stage: &str, product: &str) -> EntityPath {
+    below(DETECTORS, &[detector, kind.path_part(), stage, product])
 }
 
 /// The part of a stage product that has this name, such as the cells of one class.
@@ -198,29 +200,10 @@ pub fn stage_times(detector: &str) -> EntityPath {
     below(STAGE_TIMES, &[detector])
 }
 
-/// The columns of [`POINTS`] that hold a stage product which labels points.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct PointColumns {
-    /// Colours.
-    pub colors: ComponentIdentifier,
-    /// Class ids, by which a viewer names the points; `None` of clusters, which have no names.
-    pub class_ids: Option<ComponentIdentifier>,
-}
-
-impl PointColumns {
-    /// Those of `product`; `None` if it labels no points.
-    pub fn of(detector: &str, product: &StageProduct) -> Option<Self> {
-        let name = format!("{detector}:{}:{}", product.stage, product.name);
-        let column =
-            |name: String| ComponentIdentifier::try_new(name).expect("a name with a colon is not empty");
-        let is_classified = match product.shape {
-            Shape::LabeledPoints(_) => true,
-            Shape::Clusters(_) => false,
-            _ => return None,
-        };
-        let colors = column(format!("{name}:colors"));
-        Some(Self { colors, class_ids: is_classified.then(|| column(name)) })
-    }
+/// The column of [`POINTS`] that holds the colours of a stage product which labels points.
+pub fn point_colors(detector: &str, stage: &str, product: &str) -> ComponentIdentifier {
+    let column = format!("{detector}:{stage}:{product}:colors");
+    ComponentIdentifier::try_new(column).expect("a name with a colon is not empty")
 }
 
 /// A part of the recording of a growing object.

@@ -54,6 +54,14 @@ pub enum StreamError {
         /// The error, in Rerun's words.
         reason: String,
     },
+    /// A recording that detectors are to join does not say how.
+    #[error("no detector can join the recording with the layout {path:?}: {reason}")]
+    NoLayout {
+        /// The layer.
+        path: PathBuf,
+        /// What is wrong with it.
+        reason: String,
+    },
     /// Rerun refused.
     #[error("cannot log {entity}: {reason}")]
     Log {

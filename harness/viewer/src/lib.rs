@@ -20,6 +20,8 @@ mod product_views;
 mod recording_file;
 mod viewer;
 mod stream_options;
+mod recording_layout;
+mod layers;
 mod blueprint;
 mod scan_views;
 mod log_static;
@@ -39,7 +41,7 @@ pub use error::StreamError;
 pub use recording_axis::RecordingAxis;
 pub use scan_views::{DetectorView, ScanView, TaskView};
 pub use session::{Stream, StreamEnding};
-pub use stream_options::{ExistingRecording, FirstTab, Opening, StreamOptions};
+pub use stream_options::{FirstTab, Opening, RecordingTarget, StreamOptions};
 pub use viewer::{ServedRecording, ViewerChoice, ViewerState, ViewerUrl};
 
 /// Version of the Rerun library; a viewer of this version opens the recordings.

@@ -10,7 +10,7 @@ use rerun::{EntityPath, RecordingStream, SerializedComponentBatch};
 
 use super::archetypes::Column;
 use super::drawn_points::DrawnPoints;
-use super::entity_paths::{PointColumns, ProductKind};
+use super::entity_paths::ProductKind;
 use super::error::StreamError;
 use super::palette::{self, Rgb};
 use super::rounding::Rounding;
@@ -25,8 +25,8 @@ const LINK_RADIUS_PX: f32 = 1.0;
 
 /// Logs `products` of `detector` at the current time and returns their entities.
 ///
-/// Labels of points become columns of the points of the scan: colours, and for classes of surfaces also class ids, by which
-/// a viewer names them. Columns compress well; the positions again would be twelve bytes a point that do not.
+/// Labels of points become columns of colours of the points of the scan. Columns compress well; the positions again would be
+/// twelve bytes a point that do not.
 ///
 /// # Errors
 ///
@@ -40,21 +40,20 @@ pub fn log_products(
     for product in products {
         check_length(points.n_points_of_scan(), detector, product)?;
     }
-    let mut columns: Vec<SerializedComponentBatch> = Vec::new();
-    for (product, PointColumns { colors, class_ids }) in
-        products.iter().filter_map(|it| Some((it, PointColumns::of(detector, it)?)))
-    {
-        columns.extend(point_colors(points, &product.shape).map(|it| archetypes::colors(it, colors)));
-        let ids = point_ids(points, &product.shape).zip(class_ids);
-        columns.extend(ids.map(|(ids, column)| archetypes::class_ids(ids, column)));
-    }
+    let columns: Vec<SerializedComponentBatch> = products
+        .iter()
+        .filter_map(|StageProduct { stage, name, shape }| {
+            let column = entity_paths::point_colors(detector, stage, name);
+            Some(archetypes::colors(point_colors(points, shape)?, column))
+        })
+        .collect();
     if !columns.is_empty() {
         recording::log(stream, entity_paths::POINTS, &columns)?;
     }
     let mut logged = BTreeSet::new();
     for product in products {
         if let Some(kind) = ProductKind::of(&product.shape) {
-            let path = entity_paths::stage_product(detector, kind, product);
+            let path = entity_paths::stage_product(detector, kind, product.stage, product.name);
             log_entity(stream, path, product, points.rounding(), &mut logged)?;
         }
     }
@@ -74,7 +73,7 @@ fn log_entity(
         Shape::LabeledPoints(_) | Shape::Clusters(_) => return Ok(()),
         Shape::Cells { cell_size_m, cells } => {
             return log_cells(stream, &path, (*cell_size_m, rounding), cells, logged);
-        },
+        }
         Shape::Links(links) => return log_links(stream, &path, rounding, links, logged),
         Shape::ObjectCells { cell_size_m, cells } => {
             let columns = cells.iter().map(|it| Column { center_m: it.center_m, z_range_m: it.z_range_m });
@@ -121,7 +120,8 @@ fn log_cells(
             continue;
         }
         let columns = of_class.map(|it| Column { center_m: it.center_m, z_range_m: it.z_range_m });
-        let drawn = archetypes::columns(cell_size_m, rounding, columns).with_class_ids([legend::surface_id(class)]);
+        let drawn =
+            archetypes::columns(cell_size_m, rounding, columns).with_class_ids([legend::surface_id(class)]);
         let path = entity_paths::product_part(product, class.name());
         recording::log(stream, path.clone(), &drawn)?;
         logged.insert(path);
@@ -165,12 +165,6 @@ fn point_colors(points: &DrawnPoints, shape: &Shape) -> Option<Vec<Rgb>> {
         }
         _ => None,
     }
-}
-
-/// The class id of every drawn point; `None` if the product does not classify points.
-fn point_ids(points: &DrawnPoints, shape: &Shape) -> Option<Vec<u16>> {
-    let Shape::LabeledPoints(classes) = shape else { return None };
-    Some(points.indices().map(|point_idx| legend::surface_id(classes[point_idx])).collect())
 }
 
 fn check_length(n_points: usize, detector: &str, product: &StageProduct) -> Result<(), StreamError> {

@@ -15,11 +15,10 @@ use rerun::{RecordingStream, RecordingStreamBuilder};
 use super::blueprint::growth::{GrowthColumn, GrowthTab, send_growth_blueprint};
 use super::entity_paths::{GrowthPart, growth};
 use super::error::StreamError;
+use super::layers::APPLICATION_ID;
 use super::palette::Rgb;
 use super::recording_file::RecordingFile;
 use super::{legend, palette, recording};
-
-const APPLICATION_ID: &str = "scanbench";
 
 /// Timeline, and its steps a second, of objects that are uncovered, and of objects that are driven toward.
 const STEPS: (&str, f64) = ("step", 2.0);

@@ -2,19 +2,65 @@
 
 use detector::StageProduct;
 use detector::stage_product::Shape;
-use rerun::EntityPath;
+use rerun::{ComponentIdentifier, EntityPath};
+use serde::{Deserialize, Serialize};
 
-use super::entity_paths::{self, PointColumns, ProductKind};
+use super::entity_paths::{self, ProductKind};
+
+/// The products of the stages of a detector, in the order of the stages, without what is in them.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+pub struct DetectorOutline {
+    /// The name of the detector.
+    pub detector: String,
+    /// Its products.
+    pub products: Vec<ProductOutline>,
+}
+
+/// A product of a stage without what is in it.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+pub struct ProductOutline {
+    stage: String,
+    name: String,
+    form: ProductForm,
+}
+
+/// How a product is drawn.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+enum ProductForm {
+    /// As colours of points by their classes.
+    PointClasses,
+    /// As colours of points by their clusters.
+    PointClusters,
+    /// As an entity.
+    Entity(ProductKind),
+}
+
+impl DetectorOutline {
+    /// That of `detector`, whose stages leave these `products` behind.
+    pub fn of(detector: &str, products: &[StageProduct]) -> Self {
+        let outline = |StageProduct { stage, name, shape }: &StageProduct| ProductOutline {
+            stage: (*stage).to_owned(),
+            name: (*name).to_owned(),
+            form: match (ProductKind::of(shape), shape) {
+                (Some(kind), _) => ProductForm::Entity(kind),
+                (None, Shape::Clusters(_)) => ProductForm::PointClusters,
+                (None, _) => ProductForm::PointClasses,
+            },
+        };
+        Self { detector: detector.to_owned(), products: products.iter().map(outline).collect() }
+    }
+}
 
 /// The views of one detector, as far as they follow from its stage products.
 #[derive(Debug, Clone, PartialEq)]
 pub struct DetectorViews {
     /// Its name.
     pub detector: String,
-    /// Columns of the final surface classes of the points; without them, of the final clusters.
-    pub surfaces: Option<PointColumns>,
-    /// Columns of the final clusters of the points.
-    pub clusters: Option<PointColumns>,
+    /// Column of the final surface classes of the points; without them, of the final clusters.
+    pub surfaces: Option<ComponentIdentifier>,
+    /// Column of the final clusters of the points.
+    pub clusters: Option<ComponentIdentifier>,
     /// The views of the stages, in the order of the stages.
     pub stages: Vec<StageView>,
 }
@@ -23,42 +69,40 @@ pub struct DetectorViews {
 #[derive(Debug, Clone, PartialEq)]
 pub struct StageView {
     /// Its name.
-    pub stage: &'static str,
+    pub stage: String,
     /// The entities that are drawn.
     pub entities: Vec<EntityPath>,
-    /// Columns that colour the points: the labels of this stage, or else of the one before.
-    pub labels: Option<PointColumns>,
+    /// Column that colours the points: the labels of this stage, or else of the one before.
+    pub labels: Option<ComponentIdentifier>,
     /// Whether it shows cells, which points would hide, or be hidden by.
     pub is_of_cells: bool,
 }
 
 impl DetectorViews {
-    /// The views of `detector`, whose stages leave these `products` behind.
-    pub fn of(detector: &str, products: &[StageProduct]) -> Self {
+    /// The views of a detector.
+    pub fn of(outline: &DetectorOutline) -> Self {
+        let detector = &outline.detector;
         let mut views =
-            Self { detector: detector.to_owned(), surfaces: None, clusters: None, stages: Vec::new() };
-        for product in products {
-            let columns = PointColumns::of(detector, product);
-            match product.shape {
-                Shape::LabeledPoints(_) => views.surfaces = columns,
-                Shape::Clusters(_) => views.clusters = columns,
-                _ => {}
+            Self { detector: detector.clone(), surfaces: None, clusters: None, stages: Vec::new() };
+        for ProductOutline { stage, name, form } in &outline.products {
+            let column = entity_paths::point_colors(detector, stage, name);
+            match form {
+                ProductForm::PointClasses => views.surfaces = Some(column),
+                ProductForm::PointClusters => views.clusters = Some(column),
+                ProductForm::Entity(_) => {}
             }
-            let is_same = |it: &StageView| it.stage == product.stage;
-            if !views.stages.last().is_some_and(is_same) {
+            if views.stages.last().is_none_or(|it| it.stage != *stage) {
                 let labels = views.stages.last().and_then(|it| it.labels);
-                views.stages.push(StageView {
-                    stage: product.stage,
-                    entities: Vec::new(),
-                    labels,
-                    is_of_cells: false,
-                });
+                let (stage, entities) = (stage.clone(), Vec::new());
+                views.stages.push(StageView { stage, entities, labels, is_of_cells: false });
             }
             let Some(view) = views.stages.last_mut() else { continue };
-            view.is_of_cells |= matches!(product.shape, Shape::Cells { .. } | Shape::Links(_));
-            match ProductKind::of(&product.shape) {
-                Some(kind) => view.entities.push(entity_paths::stage_product(detector, kind, product)),
-                None => view.labels = columns,
+            match form {
+                ProductForm::PointClasses | ProductForm::PointClusters => view.labels = Some(column),
+                ProductForm::Entity(kind) => {
+                    view.is_of_cells |= matches!(kind, ProductKind::Cells | ProductKind::Links);
+                    view.entities.push(entity_paths::stage_product(detector, *kind, stage, name));
+                }
             }
         }
         // Without surface classes, at least the clusters of the points are shown.
@@ -71,10 +115,14 @@ impl DetectorViews {
 mod tests {
     use super::*;
 
+    fn views(detector: &str, products: &[StageProduct]) -> DetectorViews {
+        DetectorViews::of(&DetectorOutline::of(detector, products))
+    }
+
     #[test]
     fn points_that_nobody_classifies_show_their_clusters() {
         let product = |shape| StageProduct { stage: "clusters", name: "clusters", shape };
-        let views = DetectorViews::of("foreign", &[product(Shape::Clusters(Vec::new()))]);
+        let views = views("foreign", &[product(Shape::Clusters(Vec::new()))]);
         assert!(views.surfaces.is_some() && views.surfaces == views.clusters);
     }
 
@@ -87,11 +135,11 @@ mod tests {
             product("boxes", "hulls", Shape::Contours(Vec::new())),
             product("boxes", "boxes", Shape::Boxes(Vec::new())),
         ];
-        let views = DetectorViews::of("grid", &products);
-        let columns = PointColumns::of("grid", &products[1]);
-        assert!(columns.is_some() && (views.surfaces, views.clusters) == (columns, None));
+        let views = views("grid", &products);
+        let column = Some(entity_paths::point_colors("grid", "foreground", "points"));
+        assert_eq!((views.surfaces, views.clusters), (column, None));
         let described: Vec<_> =
-            views.stages.iter().map(|it| (it.stage, it.entities.len(), it.labels)).collect();
-        assert_eq!(described, [("walls", 1, None), ("foreground", 0, columns), ("boxes", 2, columns)]);
+            views.stages.iter().map(|it| (it.stage.as_str(), it.entities.len(), it.labels)).collect();
+        assert_eq!(described, [("walls", 1, None), ("foreground", 0, column), ("boxes", 2, column)]);
     }
 }

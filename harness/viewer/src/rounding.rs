@@ -26,9 +26,9 @@ impl Rounding {
     /// The line through `corners_m`, rounded, without those that lie less than a step beside it (Ramer 1972, Douglas and
     /// Peucker 1973).
     pub fn line_m(self, corners_m: &[[f32; 3]]) -> Vec<[f32; 3]> {
-        let mut kept = vec![true; corners_m.len()];
-        if let Some(step_m) = self.step_m {
-            kept[1..corners_m.len().saturating_sub(1).max(1)].fill(false);
+        let mut kept = vec![self.step_m.is_none(); corners_m.len()];
+        if let (Some(step_m), [first, .., last]) = (self.step_m, &mut kept[..]) {
+            (*first, *last) = (true, true);
             keep_bends(corners_m, step_m, &mut kept);
         }
         let kept = corners_m.iter().zip(kept).filter(|(_, is_kept)| *is_kept);
@@ -56,7 +56,8 @@ fn distance_m(position_m: [f32; 3], [from_m, to_m]: [[f32; 3]; 2]) -> f32 {
     let minus = |a: [f32; 3], b: [f32; 3]| [0, 1, 2].map(|axis| a[axis] - b[axis]);
     let dot = |a: [f32; 3], b: [f32; 3]| -> f32 { a.iter().zip(b).map(|(a, b)| a * b).sum() };
     let (along, to) = (minus(to_m, from_m), minus(position_m, from_m));
-    let share = if dot(along, along) > 0.0 { (dot(to, along) / dot(along, along)).clamp(0.0, 1.0) } else { 0.0 };
+    let share =
+        if dot(along, along) > 0.0 { (dot(to, along) / dot(along, along)).clamp(0.0, 1.0) } else { 0.0 };
     let beside = minus(to, along.map(|it| share * it));
     dot(beside, beside).sqrt()
 }
@@ -71,7 +72,7 @@ mod tests {
     fn steps_are_powers_of_two() {
         assert_eq!(Rounding::finer_than(0.025), Rounding { step_m: Some(STEP_OF_64) });
         assert_eq!(Rounding::finer_than(STEP_OF_64), Rounding { step_m: Some(STEP_OF_64) });
-        assert_eq!(Rounding::finer_than(0.025).coordinate_m(-10.01), -10.015625);
+        assert_eq!(Rounding::finer_than(0.025).coordinate_m(-10.01), -10.015_625);
         assert_eq!(Rounding::default().position_m([0.1, 0.2, -0.3]), [0.1, 0.2, -0.3]);
     }
 
@@ -81,7 +82,7 @@ mod tests {
         let drawn = Rounding::finer_than(0.025).line_m(&stairs);
         assert_eq!(drawn, [[0.0; 3], [2.0, 0.0, 0.0], [2.0, 0.0, 1.0]]);
         assert_eq!(Rounding::default().line_m(&stairs), stairs);
-        assert_eq!(Rounding::finer_than(0.025).line_m(&stairs[..1]), &stairs[..1]);
+        assert_eq!(Rounding::finer_than(0.025).line_m(&stairs[..2]), [[0.0; 3], [1.0, 0.0, 0.0]]);
         assert!(Rounding::finer_than(0.025).line_m(&[]).is_empty());
     }
 

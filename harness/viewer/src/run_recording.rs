@@ -20,7 +20,7 @@ use super::drive_frame::DriveFrame;
 use super::error::StreamError;
 use super::scan_views::{DetectorView, ScanView, TaskView};
 use super::session::Stream;
-use super::stream_options::{ExistingRecording, StreamOptions};
+use super::stream_options::{RecordingTarget, StreamOptions};
 use super::viewer::ViewerState;
 
 /// An open recording that follows a run.
@@ -34,23 +34,30 @@ pub struct RunRecording {
     viewer_was_lost: bool,
 }
 
-/// Where a run is recorded, and which of its scans.
+/// How and where a run is recorded, and which of its scans.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct RunRecordingOptions {
-    /// How it is streamed, to a file in the directory of the run unless it goes elsewhere.
+    /// How it is streamed.
     pub stream: StreamOptions,
-    /// A file that is written instead, and appears once it is complete.
-    pub elsewhere: Option<RecordingPath>,
+    /// Where it is written.
+    pub path: RecordingPath,
     /// One of so many scans is recorded.
     pub every: u32,
 }
 
-/// The path of a recording that appears once it is complete.
+/// Where a recording is written.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum RecordingPath {
-    /// One that the user has named: a link stays one, and a device or a pipe is written to.
+    /// A folder of layers, in a folder that is itself unfinished.
+    Layers {
+        /// The folder.
+        folder: PathBuf,
+        /// That of a recording over the same scans, if they are to be put into it.
+        joins: Option<PathBuf>,
+    },
+    /// A file that appears once it is complete. It is one that the user has named: a link stays one, and a device or a pipe is written to.
     Named(PathBuf),
-    /// One in the directory of a run, where a link is replaced.
+    /// A file that appears once it is complete, in the directory of a run: a link is replaced.
     InRun(PathBuf),
 }
 
@@ -75,16 +82,14 @@ impl RunRecording {
     ///
     /// [`StreamError`] if the file cannot be written, or the viewer or the server not be started.
     pub fn begin(options: RunRecordingOptions, detectors: &[&str]) -> Result<Self, StreamError> {
-        let RunRecordingOptions { mut stream, elsewhere, every } = options;
-        let elsewhere = elsewhere.map(RecordingElsewhere::begin).transpose()?;
-        if let Some(elsewhere) = &elsewhere {
-            elsewhere.path().clone_into(&mut stream.file);
-            if elsewhere.unfinished.is_none() {
-                stream.existing = ExistingRecording::WriteTo;
-            }
-        }
+        let RunRecordingOptions { stream, path, every } = options;
+        let (target, elsewhere) = match path {
+            RecordingPath::Layers { folder, joins } => (RecordingTarget::Layers { folder, joins }, None),
+            RecordingPath::Named(file) => RecordingElsewhere::begin(&file, true)?,
+            RecordingPath::InRun(file) => RecordingElsewhere::begin(&file, false)?,
+        };
         Ok(Self {
-            stream: Stream::open(&stream, detectors)?,
+            stream: Stream::open(&target, &stream, detectors)?,
             elsewhere,
             every,
             drive: DriveFrame::default(),
@@ -202,25 +207,22 @@ fn shown(result: &DetectorScan) -> impl Iterator<Item = &Assignment> {
     result.assignments.iter().filter(|it| it.task.class().is_none())
 }
 
-/// A recording outside of the run directory.
+/// A file that is not complete.
 struct RecordingElsewhere {
     file: PathBuf,
-    /// Where it is written until it is complete; `None` for devices and pipes, which are written at once.
-    unfinished: Option<(NamedTempFile, Unfinished)>,
+    made: NamedTempFile,
+    registered: Unfinished,
 }
 
 impl RecordingElsewhere {
-    fn begin(path: RecordingPath) -> Result<Self, StreamError> {
-        let (asked, is_named) = match path {
-            RecordingPath::Named(file) => (file, true),
-            RecordingPath::InRun(file) => (file, false),
-        };
-        let create_error = |source| StreamError::Create { path: asked.clone(), source };
-        let file = asked.canonicalize().ok().filter(|_| is_named).unwrap_or_else(|| asked.clone());
+    /// Where to write what will be at the path `asked`, and what makes it appear there: nothing of a device or a pipe.
+    fn begin(asked: &Path, is_named: bool) -> Result<(RecordingTarget, Option<Self>), StreamError> {
+        let create_error = |source| StreamError::Create { path: asked.to_owned(), source };
+        let file = asked.canonicalize().ok().filter(|_| is_named).unwrap_or_else(|| asked.to_owned());
         let there = if is_named { file.metadata() } else { file.symlink_metadata() };
         match there {
             Ok(it) if it.is_dir() => return Err(create_error(std::io::ErrorKind::IsADirectory.into())),
-            Ok(it) if is_named && !it.is_file() => return Ok(Self { file, unfinished: None }),
+            Ok(it) if is_named && !it.is_file() => return Ok((RecordingTarget::Device(file), None)),
             _ => {}
         }
         let folder = file.parent().filter(|it| !it.as_os_str().is_empty()).unwrap_or(Path::new("."));
@@ -235,19 +237,14 @@ impl RecordingElsewhere {
         let make = || builder.tempfile_in(folder);
         let (registered, made) =
             Unfinished::begin(Kind::File, make, |it| it.path().to_path_buf()).map_err(create_error)?;
-        Ok(Self { file, unfinished: Some((made, registered)) })
-    }
-
-    /// Where to write.
-    fn path(&self) -> &Path {
-        self.unfinished.as_ref().map_or(&self.file, |(made, _)| made.path())
+        let target = RecordingTarget::File(made.path().to_owned());
+        Ok((target, Some(Self { file, made, registered })))
     }
 
     fn finish(self) -> Result<(), StreamError> {
-        if let Some((made, registered)) = self.unfinished {
-            let persisted = registered.undisturbed(|| made.persist(&self.file));
-            persisted.map_err(|it| StreamError::Create { path: self.file, source: it.error })?;
-        }
+        let Self { file, made, registered } = self;
+        let persisted = registered.undisturbed(|| made.persist(&file));
+        persisted.map_err(|it| StreamError::Create { path: file, source: it.error })?;
         Ok(())
     }
 }

@@ -8,15 +8,11 @@ use reports::vocabulary::task::Task;
 use super::drawn_points::PointChoice;
 use super::viewer::ViewerChoice;
 
-/// Where a recording goes and how it opens.
+/// What a recording is called, who sees it, and how it opens.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct StreamOptions {
     /// The name of the recording in the viewer.
     pub name: String,
-    /// The file, always written.
-    pub file: PathBuf,
-    /// Treatment of something that is at that path already.
-    pub existing: ExistingRecording,
     /// A viewer that gets the same data at the same time.
     pub viewer: ViewerChoice,
     /// How it opens.
@@ -25,14 +21,20 @@ pub struct StreamOptions {
     pub points: PointChoice,
 }
 
-/// Treatment of something that is at the path of a recording already.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
-pub enum ExistingRecording {
-    /// It is replaced, be it a file or a link.
-    #[default]
-    Replace,
-    /// It is written to: a device, or a pipe.
-    WriteTo,
+/// Where a recording is written.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub enum RecordingTarget {
+    /// To one file, in place of a file or a link that is there.
+    File(PathBuf),
+    /// To a device, or to a pipe, that is there.
+    Device(PathBuf),
+    /// To layers that are opened together.
+    Layers {
+        /// The folder that gets them.
+        folder: PathBuf,
+        /// The folder of a recording over the same scans that they are to be put into.
+        joins: Option<PathBuf>,
+    },
 }
 
 /// Which tab of a recording is in front when it is opened.

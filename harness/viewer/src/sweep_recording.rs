@@ -24,7 +24,7 @@ use super::recording_axis::RecordingAxis;
 use super::run_recording::{RecordingError, task_views};
 use super::scan_views::{DetectorView, ScanView};
 use super::session::Stream;
-use super::stream_options::{ExistingRecording, FirstTab, Opening, StreamOptions};
+use super::stream_options::{FirstTab, Opening, RecordingTarget, StreamOptions};
 use super::viewer::ViewerChoice;
 
 /// The file in the directory.
@@ -47,8 +47,6 @@ pub fn record_sweep(
     let shown_task = if description.annotated.covers(Task::Objects) { Task::Objects } else { Task::Vehicles };
     let options = StreamOptions {
         name: directory.target().file_name().unwrap_or_default().to_string_lossy().into_owned(),
-        file: directory.path_of(SWEEP_RRD),
-        existing: ExistingRecording::Replace,
         viewer: ViewerChoice::None,
         opening: Opening {
             shown_task,
@@ -72,7 +70,8 @@ pub fn record_sweep(
         rates: format!("F-rate of {} scans", swept.scan_indices.len()),
         further_series: further(&at_point(0)).iter().map(|it| it.0).collect(),
     };
-    let mut stream = Stream::open_along(&options, &detectors, axis)?;
+    let file = RecordingTarget::File(directory.path_of(SWEEP_RRD));
+    let mut stream = Stream::open_along(&file, &options, &detectors, axis)?;
     for (index, &(step, point_idx)) in steps.ascending().iter().enumerate() {
         let there = at_point(point_idx);
         if index == 0 {

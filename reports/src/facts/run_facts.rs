@@ -26,7 +26,7 @@ use crate::rows::scan_name::ScanName;
 use crate::rows::scan_row::ScanRow;
 use crate::run_folder::manifest::{DatasetEntry, Manifest};
 use crate::run_folder::run_directory::{
-    MATCHES_CSV, RECORDINGS_JSON, REPORT_JSON, RUN_RRD, SCANS_CSV, WORST_POINTS_JSON,
+    MATCHES_CSV, RECORDING, RECORDINGS_JSON, REPORT_JSON, SCANS_CSV, WORST_POINTS_JSON,
 };
 use crate::run_folder::run_target::MANIFEST_JSON;
 use crate::tables::class_table::{ClassTable, class_tables};
@@ -184,7 +184,7 @@ impl RunFacts {
             recordings: Recordings::read(&directory.join(RECORDINGS_JSON))?,
             protocols: protocols_of(directory, &manifest)?,
             agreement: agreement_of(directory)?,
-            has_recording: directory.join(RUN_RRD).is_file(),
+            has_recording: directory.join(RECORDING).is_dir(),
         };
         let draws = gathered.tally.draw();
         Ok(Self::of(gathered, beside, manifest, report, &draws)?)

@@ -5,6 +5,7 @@ use maud::html;
 use super::document::Section;
 use super::markup::titled_tables;
 use crate::facts::run_facts::RunFacts;
+use crate::run_folder::run_directory::RECORDING;
 use crate::tables::agreement_table::AgreementOfDetectors;
 use crate::tables::sheet::Tabular as _;
 
@@ -18,7 +19,7 @@ pub(super) fn agreement(facts: &RunFacts) -> Option<Section> {
         p.about { "The scans have no labels, so there are no scores." }
         (titled_tables(&sheet, "Agreement"))
         @if facts.has_recording {
-            p { "What only one detector sees shows in the recording, where all stand side by side: " code { "rerun run.rrd" } }
+            p { "What only one detector sees shows in the recording, where all stand side by side: " code { "rerun " (RECORDING) } }
         }
     };
     Some(Section::new("Agreement", "Where detectors agree", content))

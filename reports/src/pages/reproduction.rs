@@ -8,6 +8,7 @@ use super::markup::commands;
 use crate::facts::run_facts::RunFacts;
 use crate::run_folder::command_line::shell_word;
 use crate::run_folder::manifest::{DatasetEntry, ForeignEntry, Manifest};
+use crate::run_folder::run_directory::RECORDING;
 
 pub(super) fn reproduction(facts: &RunFacts) -> Section {
     let manifest = &facts.manifest;
@@ -102,9 +103,9 @@ fn recording(manifest: &Manifest) -> Markup {
     html! {
         div.recording {
             h3 { "Every stage on every scan" }
-            p { "The recording " a href="run.rrd" { "run.rrd" } " opens in the Rerun viewer, on the desktop or in a browser:" }
+            p { "The recording " a href=(RECORDING) { (RECORDING) } " opens in the Rerun viewer, on the desktop or in a browser:" }
             (commands(
-                &format!("pip install rerun-sdk=={version}\nrerun run.rrd\nrerun --web-viewer run.rrd"),
+                &format!("pip install rerun-sdk=={version}\nrerun {RECORDING}\nrerun --web-viewer {RECORDING}"),
                 "Commands that open the recording"
             ))
         }

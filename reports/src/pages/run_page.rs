@@ -277,10 +277,10 @@ mod tests {
     #[test]
     fn a_recording_is_linked_where_there_is_one() {
         let folder = USUAL.write();
-        assert!(!page_in(folder.path()).html.contains("run.rrd"));
-        std::fs::write(folder.path().join("run.rrd"), "").unwrap();
+        assert!(!page_in(folder.path()).html.contains("rerun recording"));
+        std::fs::create_dir(folder.path().join("recording")).unwrap();
         let html = page_in(folder.path()).html;
-        check_holds(&html, &["href=\"run.rrd\"", "rerun --web-viewer run.rrd"]);
+        check_holds(&html, &["href=\"recording\"", "rerun --web-viewer recording"]);
     }
 
     #[test]

@@ -30,8 +30,8 @@ pub const ERRORS_CSV: &str = "errors.csv";
 pub const CONFUSION_CSV: &str = "confusion.csv";
 /// How far detectors agree on scans without labels.
 pub const AGREEMENT_CSV: &str = "agreement.csv";
-/// The recording for Rerun.
-pub const RUN_RRD: &str = "run.rrd";
+/// Folder of the recording for Rerun: a file for the scans, one for each detector, and one for the layout of the viewer.
+pub const RECORDING: &str = "recording";
 /// Where the scans of the worst mistakes are recorded, of a run that was made in parts.
 pub const RECORDINGS_JSON: &str = "recordings.json";
 /// Times of a run that was made in parts on unlike processors, for each processor by itself.

@@ -94,7 +94,7 @@ pub struct ShardFile {
 #[cfg_attr(feature = "schemas", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct ShardRecording {
-    /// The name of the file.
+    /// The name of its folder.
     pub file: String,
     /// The first scan that may be in it, counted from 0 over all scans of the run.
     pub first: u64,

@@ -24,7 +24,7 @@ pub struct Recordings {
 pub struct RecordedObject {
     /// Which object.
     pub object: ObjectName,
-    /// The recording: a file beside this one, or a path from there.
+    /// The folder of the recording: one beside this file, or a path from there.
     pub recording: String,
     /// The position on its timeline.
     pub step: u64,
@@ -65,7 +65,7 @@ mod tests {
         let [dataset, sequence] = ["street", "drive"].map(str::to_owned);
         let object = ObjectName { dataset, sequence, scan: 3, detector: None, id: 4 };
         let recorded =
-            RecordedObject { object: object.clone(), recording: "../a/run.rrd".to_owned(), step: 17 };
+            RecordedObject { object: object.clone(), recording: "../a/recording".to_owned(), step: 17 };
         let recordings = Recordings::new(vec![recorded.clone()]);
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("recordings.json");

@@ -153,7 +153,7 @@ Examples:
 const RUN_DETAILS: &str = "\
 The run directory (docs/run-directory.md) holds
   report.html, figures/, worst_points.json  page of the run
-  run.rrd                                   recording for Rerun, unless --no-rrd
+  recording/                                recording for Rerun, unless --no-rrd
   run.mcap                                  recording for Foxglove, with --mcap
   report.json, manifest.json                all numbers, and what made them
   scans.csv, matches.csv, stages.csv, errors.csv, precision_recall.csv

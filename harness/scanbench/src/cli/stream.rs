@@ -12,7 +12,7 @@ use super::help_text::VIEWER;
 #[command(next_help_heading = VIEWER)]
 #[allow(dead_code, reason = "read by the viewer, where there is one")]
 pub struct StreamArgs {
-    /// Save the Rerun recording as FILE [default: `run.rrd` in the run directory, or a name of the verb: `worst.rrd`, `changes.rrd`, `suspects.rrd`]
+    /// Save the Rerun recording as FILE, all in one [default: layers in the folder `recording` of the run directory, or a file of the verb: `worst.rrd`, `changes.rrd`, `suspects.rrd`]
     #[arg(long, hide_short_help = true, value_name = "FILE", num_args = 0..=1, require_equals = true)]
     #[allow(clippy::option_option, reason = "both the option and its value may be left out")]
     pub save_rrd: Option<Option<PathBuf>>,

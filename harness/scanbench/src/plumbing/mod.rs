@@ -1,6 +1,7 @@
 //! Parts that verbs share: terminal, data sets, detectors, the log of a run, recordings.
 
 pub mod failure;
+pub mod second_names;
 pub mod closed_streams;
 pub mod standard_streams;
 pub mod progress;

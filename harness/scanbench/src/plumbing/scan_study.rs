@@ -19,7 +19,7 @@ use crate::plumbing::config::chosen_detectors;
 use crate::plumbing::failure::Failure;
 use crate::plumbing::open_datasets::OpenedDataset;
 use crate::plumbing::progress::RunProgress;
-use crate::plumbing::recorder::{Recorder, begin_recording};
+use crate::plumbing::recorder::{Recorder, RecordingPlace, begin_recording};
 use crate::plumbing::run_manifest::{RunSettings, detector_entry, run_manifest};
 use crate::plumbing::shards::watched_study::{WatchedStudy, execute_watched};
 use crate::plumbing::shards::whole_run::WholeRun;
@@ -141,9 +141,10 @@ impl WatchedStudy for ScanStudy<'_> {
         WatchedRun::of_study(&self.compared_detectors, &self.datasets, self.n_warmup, self.n_jobs, progress)
     }
 
-    fn begin_recording(&self, name: &str, file: PathBuf) -> Result<Option<(Recorder, u64)>, Failure> {
+    fn begin_recording(&self, name: &str, folder: PathBuf) -> Result<Option<(Recorder, u64)>, Failure> {
         let Some((stream, figures)) = &self.recorded else { return Ok(None) };
-        begin_recording(stream, figures, &self.compared_detectors, &self.datasets, name, file)
+        let place = RecordingPlace::Layers { folder, joins: None };
+        begin_recording(stream, figures, &self.compared_detectors, &self.datasets, name, place)
     }
 
     fn sinks<'a>(&'a self, _: &'a Path) -> Result<Sinks<'a, Failure>, Failure> {

@@ -11,7 +11,7 @@ use crate::plumbing::closed_streams::stdout_was_closed;
 use crate::plumbing::failure::Failure;
 use reports::files::shown_text::{printable_lines, shown_lines};
 use reports::run_folder::command_line::shell_word;
-use reports::run_folder::run_directory::{REPORT_HTML, RUN_RRD};
+use reports::run_folder::run_directory::{RECORDING, REPORT_HTML};
 use reports::tables::formats::terminal::Terminal;
 
 /// How much is said on stderr.
@@ -76,11 +76,11 @@ pub fn print_result_in(what: &str, directory: &Path, result: impl Display) -> Re
     }
     let printed = print_result(result);
     print_diagnostic(format_args!("{what}: {}", directory.display()));
-    let [page, recording] = [REPORT_HTML, RUN_RRD].map(|it| directory.join(it));
+    let [page, recording] = [REPORT_HTML, RECORDING].map(|it| directory.join(it));
     if page.is_file() {
         print_diagnostic(format_args!("Page: {}", page.display()));
     }
-    if recording.is_file() {
+    if recording.is_dir() {
         print_diagnostic(format_args!("Recording: rerun {}", shell_word(&recording.display().to_string())));
     }
     printed

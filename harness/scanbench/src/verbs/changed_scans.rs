@@ -27,7 +27,7 @@ use crate::cli::{StreamArgs, ViewArgs};
 use crate::plumbing::failure::Failure;
 use crate::plumbing::open_run::open_run;
 use crate::plumbing::progress::progress_over_scans;
-use crate::plumbing::recorder::{self, Appearance, RecordingPlan, finish_and_serve, is_wanted};
+use crate::plumbing::recorder::{self, RecordingPlace, RecordingPlan, finish_and_serve, is_wanted};
 use crate::plumbing::standard_streams::print_text;
 use crate::verbs::worst_scans::{chosen_task, datasets_of, place_of};
 
@@ -182,8 +182,7 @@ pub fn record_sides(sides: &TwoSides<'_>, scans: &[PointedScan<'_>]) -> Result<(
     let written = sides.stream.save_rrd.clone().flatten().unwrap_or(sides.file.clone());
     let Some(mut recording) = recorder::begin(&RecordingPlan {
         arguments: sides.stream,
-        default_file: sides.file.clone(),
-        appears: Appearance::Whole,
+        place: RecordingPlace::File(sides.file.clone()),
         name: sides.name,
         shown_task: sides.task,
         detectors: &sides.names,

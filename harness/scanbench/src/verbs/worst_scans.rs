@@ -26,7 +26,7 @@ use crate::plumbing::interruption::interruption_flag;
 use crate::plumbing::open_datasets::{OpenedDataset, open_datasets_past_damage, own_classes};
 use crate::plumbing::open_run::refuse_unknown;
 use crate::plumbing::progress::progress_over_scans;
-use crate::plumbing::recorder::{self, Appearance, Recorder, RecordingPlan, finish_and_serve, is_wanted};
+use crate::plumbing::recorder::{self, Recorder, RecordingPlace, RecordingPlan, finish_and_serve, is_wanted};
 use crate::plumbing::run_manifest::refuse_other_scans;
 use crate::plumbing::standard_streams::print_diagnostic;
 use crate::verbs::run::setup::arguments_of;
@@ -50,8 +50,7 @@ pub fn record(
     let name = format!("worst of {}", arguments.run.file_name().unwrap_or_default().to_string_lossy());
     let Some(mut recording) = recorder::begin(&RecordingPlan {
         arguments: &arguments.stream,
-        default_file: file,
-        appears: Appearance::Whole,
+        place: RecordingPlace::File(file),
         name: &name,
         // A class is one of the objects.
         shown_task: if task.class().is_some() { Task::Objects } else { task },

@@ -118,7 +118,7 @@ fn results_are_on_stdout_and_the_rest_is_on_stderr_unless_quiet() {
     let ended = workplace.succeed("run street -d hierarchical,pca -o out");
     assert!(ended.stdout.starts_with("Task objects on street"), "{ended:#?}");
     ended.check_stdout(&["\nTask vehicles on street"]);
-    let paths = "Run directory: out\nPage: out/report.html\nRecording: rerun out/run.rrd\n";
+    let paths = "Run directory: out\nPage: out/report.html\nRecording: rerun out/recording\n";
     assert_eq!(ended.stderr, paths);
     assert!(ended.stdout.lines().count() <= 45, "{ended:#?}");
     // It ends with who leads and who is faster, or that the machine was too busy to say so.
@@ -171,7 +171,7 @@ fn a_page_is_made_again_of_the_directory_alone() {
     std::fs::remove_file(moved.join("report.html")).expect("the page goes");
     let ended = workplace.succeed(&["report", "moved here"]);
     let paths =
-        "Run directory: moved here\nPage: moved here/report.html\nRecording: rerun 'moved here/run.rrd'\n";
+        "Run directory: moved here\nPage: moved here/report.html\nRecording: rerun 'moved here/recording'\n";
     assert_eq!(ended.stderr, paths);
     assert!(ended.stdout.starts_with("Task objects on street"), "{ended:#?}");
     assert_eq!(workplace.read("moved here/report.html"), first);
@@ -300,7 +300,7 @@ fn a_viewer_that_is_not_there_is_warned_about_once() {
         1,
         "{ended:#?}"
     );
-    assert!(workplace.path("out/run.rrd").is_file());
+    assert!(workplace.path("out/recording").is_dir());
 }
 
 #[test]

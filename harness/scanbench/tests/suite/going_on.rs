@@ -40,9 +40,10 @@ fn a_run_goes_on_where_it_was_ended() {
     workplace.succeed(&(run, "out")).check_stderr(&["Continuing with "]);
     if cfg!(feature = "viewer") {
         // The first was killed, and is not whole.
-        for name in ["run-2.rrd", "run-3.rrd", "recordings.json"] {
-            std::fs::remove_file(workplace.path("out").join(name)).unwrap();
+        for name in ["recording-2", "recording-3"] {
+            std::fs::remove_dir_all(workplace.path("out").join(name)).unwrap();
         }
+        std::fs::remove_file(workplace.path("out/recordings.json")).unwrap();
     }
     check_same_but_times(&workplace, "at-once", "out");
     assert_eq!(workplace.top_names(), ["at-once", "found", "out", "out.unfinished"]);

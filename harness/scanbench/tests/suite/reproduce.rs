@@ -59,7 +59,7 @@ fn claims_of_all_papers_are_judged_and_gated() {
         "The background that the classifier is judged by",
     ];
     workplace.check_file("first/reproduction.html", &parts);
-    assert!(workplace.path("first/run.rrd").exists());
+    assert!(workplace.path("first/recording/scans.rrd").exists());
     // The method of BG learns from whole objects, as in the paper, or from parts, and sees them from either end.
     let of_bg = claims.last().unwrap();
     assert_eq!((&of_bg["claim"]["paper"], of_bg["readings"].as_array().unwrap().len()), (&"BG".into(), 4));

@@ -36,7 +36,11 @@ fn a_run_leaves_its_files_and_nothing_else() {
                   table_vehicles.csv table_vehicles.md table_vehicles.tex worst_points.json";
     expected.extend(others.split_whitespace().map(str::to_owned));
     if cfg!(feature = "viewer") {
-        expected.push("run.rrd".to_owned());
+        let detectors = ["hierarchical", "kd-tree-tree", "paper", "kd-tree", "pca"];
+        let layers = detectors.map(|it| format!("detector-{it}")).into_iter();
+        let layers = layers.chain(["scans", "layout"].map(str::to_owned));
+        expected.push("recording".to_owned());
+        expected.extend(layers.map(|it| format!("recording/{it}.rrd")));
     }
     let names = workplace.names().into_iter();
     let in_run =
@@ -277,11 +281,11 @@ fn the_rows_of_the_matches_add_up_to_the_report() {
 fn a_recording_goes_where_it_is_wanted() {
     let workplace = Workplace::with_drive(1);
     workplace.succeed("run street -d pca -o none --no-rrd");
-    assert!(!workplace.path("none/run.rrd").exists());
+    assert!(!workplace.path("none/recording").exists());
     workplace.succeed("run street -d pca -o here --save-rrd");
-    assert!(workplace.path("here/run.rrd").is_file());
+    assert!(workplace.path("here/recording/detector-pca.rrd").is_file());
     workplace.succeed("run street -d pca -o there --save-rrd=mine.rrd");
-    assert!(workplace.path("mine.rrd").is_file() && !workplace.path("there/run.rrd").exists());
+    assert!(workplace.path("mine.rrd").is_file() && !workplace.path("there/recording").exists());
     assert_eq!(workplace.top_names(), ["here", "mine.rrd", "none", "street", "there"]);
 }
 

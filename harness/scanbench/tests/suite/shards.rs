@@ -279,7 +279,7 @@ fn the_page_leads_to_the_recordings_of_the_shards() {
     let workplace = Workplace::new();
     let run = "run street-narrow --simulated-scans 24 --sensor vlp-16 -d pca --rerun-every 2";
     make_shards(&workplace, run, 2, "shards");
-    assert!(workplace.path("shards/shard-2-of-2/run.rrd").is_file());
+    assert!(workplace.path("shards/shard-2-of-2/recording").is_dir());
     merge_whole(&workplace, "shards", "in-one");
     let recordings = workplace.json("in-one/recordings.json");
     let recorded = recordings["places"].as_array().expect("a list");
@@ -287,7 +287,7 @@ fn the_page_leads_to_the_recordings_of_the_shards() {
     for object in recorded {
         let file = object["recording"].as_str().expect("a path");
         assert!(
-            file.starts_with("../shards/shard-") && workplace.path("in-one").join(file).is_file(),
+            file.starts_with("../shards/shard-") && workplace.path("in-one").join(file).is_dir(),
             "{file}"
         );
         assert!(page.contains(&format!("href=\"{file}\"")), "{file}");

@@ -207,7 +207,10 @@ fn a_recording_is_served_until_it_is_enough_and_everything_is_written_before() {
         let url = lines
             .find_map(|it| Some(it.strip_prefix("Serving the recording until Ctrl-C: rerun ")?.to_owned()))
             .unwrap();
-        assert!(workplace.path("out/run.rrd").is_file() && workplace.path("out/report.json").is_file());
+        assert!(
+            workplace.path("out/recording/layout.rrd").is_file()
+                && workplace.path("out/report.json").is_file()
+        );
         let address = url.trim_start_matches("rerun+http://").trim_end_matches("/proxy");
         assert!(std::net::TcpStream::connect(address).is_ok(), "nobody listens at {url}");
         send(&child, signal);

@@ -54,7 +54,7 @@ impl fmt::Display for FrameSuspicion {
         match self {
             Self::NoGround => write!(
                 formatter,
-                "no ground is seen around the origin; see in the recording of a run, run.rrd, whether z is up"
+                "no ground is seen around the origin; see in the recording of a run whether z is up"
             ),
             Self::Axis(axis) => write!(
                 formatter,

@@ -6,9 +6,8 @@ use re_sdk_types::blueprint::archetypes::{Background, EntityBehavior, EyeControl
 use re_sdk_types::blueprint::components::{BackgroundKind, VisualizerComponentMapping};
 use re_sdk_types::blueprint::datatypes;
 use rerun::blueprint::{ContainerLike, Spatial3DView};
-use rerun::{AsComponents, ComponentDescriptor, ComponentIdentifier, EntityPath};
+use rerun::{AsComponents, ComponentIdentifier, EntityPath};
 
-use crate::entity_paths::PointColumns;
 use crate::{entity_paths, legend, palette};
 
 /// A property of a view, or of an entity in it, that Rerun's typed builders do not know.
@@ -64,14 +63,14 @@ pub enum ScenePoints {
     None,
     /// In colours without meaning.
     Plain,
-    /// Coloured and named by these columns.
-    By(PointColumns),
+    /// Coloured by this column.
+    By(ComponentIdentifier),
 }
 
 impl ScenePoints {
-    /// By `columns` if there are some.
-    pub fn by(columns: Option<PointColumns>) -> Self {
-        columns.map_or(Self::Plain, Self::By)
+    /// By `column` if there is one.
+    pub fn by(column: Option<ComponentIdentifier>) -> Self {
+        column.map_or(Self::Plain, Self::By)
     }
 }
 
@@ -87,8 +86,8 @@ impl Scene<'_> {
         if self.points != ScenePoints::None {
             queries.push(format!("+ /{}/**", entity_paths::SCAN));
         }
-        if let ScenePoints::By(columns) = self.points {
-            view = view.with_override(entity_paths::POINTS, points_labelled_by(columns));
+        if let ScenePoints::By(column) = self.points {
+            view = view.with_override(entity_paths::POINTS, points_coloured_by(column));
         }
         let view: ContainerLike = view.with_contents(queries).into();
         let Eye { position_m, look_target_m, follows } = self.eye;
@@ -106,16 +105,12 @@ impl Scene<'_> {
     }
 }
 
-/// Draws the points of the scan with these columns instead of their own colours and class ids.
-fn points_labelled_by(columns: PointColumns) -> Visualizer {
-    let mapping = |(to, column): (ComponentDescriptor, ComponentIdentifier)| {
-        let (to, column) = (to.component.as_str(), column.as_str());
-        let mapping = datatypes::VisualizerComponentMapping::new_source_component(to, column);
-        VisualizerComponentMapping::from(mapping)
-    };
-    let colors = (Points3D::descriptor_colors(), columns.colors);
-    let class_ids = columns.class_ids.map(|it| (Points3D::descriptor_class_ids(), it));
-    Visualizer::new("Points3D").with_mappings([colors].into_iter().chain(class_ids).map(mapping))
+/// Draws the points of the scan in the colours of `column` instead of their own.
+fn points_coloured_by(column: ComponentIdentifier) -> Visualizer {
+    let to = Points3D::descriptor_colors();
+    let mapping =
+        datatypes::VisualizerComponentMapping::new_source_component(to.component.as_str(), column.as_str());
+    Visualizer::new("Points3D").with_mappings([VisualizerComponentMapping::from(mapping)])
 }
 
 /// The background of all views that have one.

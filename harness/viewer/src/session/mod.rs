@@ -1,19 +1,17 @@
 //! A recording from its first scan to its last.
 
 use std::collections::BTreeSet;
-use std::path::{Path, PathBuf};
 
 use re_sdk_types::archetypes::Clear;
 use reports::verdicts::change::ChangeKind;
 use reports::vocabulary::task::Task;
-use rerun::log::ChunkBatcherConfig;
-use rerun::sink::LogSink;
-use rerun::{EntityPath, RecordingStream, RecordingStreamBuilder};
+use rerun::EntityPath;
 use scans::annotation::LabeledScan;
 
 use super::blueprint::{RecordingLayout, send_blueprint};
 use super::drawn_points::{DrawnPoints, PointChoice};
 use super::error::StreamError;
+use super::layers::{APPLICATION_ID, Layers};
 use super::log_outcomes::{log_changes, log_mistakes, log_outcomes};
 use super::log_products::log_products;
 use super::log_scan::{log_pose, log_scan, log_title};
@@ -22,24 +20,22 @@ use super::log_series::{
     log_counts, log_f_rate, log_further, log_further_lines, log_latency, log_lines, log_stage_times,
 };
 use super::log_static::log_static;
-use super::product_views::DetectorViews;
+use super::product_views::{DetectorOutline, DetectorViews};
 use super::recording;
 use super::recording_axis::RecordingAxis;
-use super::recording_file::RecordingFile;
 use super::scan_views::{DetectorView, ScanView};
-use super::stream_options::{ExistingRecording, Opening, StreamOptions};
+use super::stream_options::{Opening, RecordingTarget, StreamOptions};
 use super::viewer::{ServedRecording, ViewerLink, ViewerState};
 
-const APPLICATION_ID: &str = "scanbench";
 /// Number of scans that are written at once if no viewer waits for them. Rerun holds the index of the file in memory until
 /// its end, and it has a slot for every component in every chunk: a third of a megabyte for each time that something is
 /// written.
-const MAX_HELD_BACK: u32 = 8;
+const MAX_HELD_BACK: u32 = 16;
 
 /// How a recording ended.
 #[derive(Debug)]
 pub struct StreamEnding {
-    /// Size of the file.
+    /// Size of its files.
     pub file_n_bytes: u64,
     /// Whether the viewer got everything.
     pub viewer: ViewerState,
@@ -52,10 +48,8 @@ pub struct StreamEnding {
 /// [`Self::finish`] reports whether everything was written; a stream that is only dropped may leave a file without its end.
 #[must_use = "a recording that is not finished may be incomplete without anyone knowing"]
 pub struct Stream {
-    recording: RecordingStream,
-    file: RecordingFile,
+    layers: Layers,
     viewer: ViewerLink,
-    path: PathBuf,
     detectors: Vec<DetectorState>,
     axis: RecordingAxis,
     opening: Opening,
@@ -71,11 +65,11 @@ struct DetectorState {
     on_screen: BTreeSet<EntityPath>,
     stages: Vec<&'static str>,
     /// Known once it has logged.
-    views: Option<DetectorViews>,
+    outline: Option<DetectorOutline>,
 }
 
 impl Stream {
-    /// Creates the file, connects to the viewer if there is to be one, and sends what holds for the whole recording.
+    /// Creates the files of `target`, connects to the viewer if there is to be one, and sends what holds for the whole recording.
     ///
     /// `detectors` are the names of all that will log, in the order in which they are shown. A viewer that does not
     /// answer is no error: see [`Self::viewer_state`].
@@ -83,8 +77,12 @@ impl Stream {
     /// # Errors
     ///
     /// [`StreamError`] if the file cannot be written or a viewer has to be started and cannot be.
-    pub fn open(options: &StreamOptions, detectors: &[&str]) -> Result<Self, StreamError> {
-        Self::open_along(options, detectors, RecordingAxis::scans())
+    pub fn open(
+        target: &RecordingTarget,
+        options: &StreamOptions,
+        detectors: &[&str],
+    ) -> Result<Self, StreamError> {
+        Self::open_along(target, options, detectors, RecordingAxis::scans())
     }
 
     /// Opens a recording over something else than scans; otherwise as [`Self::open`].
@@ -93,6 +91,7 @@ impl Stream {
     ///
     /// As [`Self::open`].
     pub fn open_along(
+        target: &RecordingTarget,
         options: &StreamOptions,
         detectors: &[&str],
         axis: RecordingAxis,
@@ -101,41 +100,25 @@ impl Stream {
         if !rerun::decide_logging_enabled(true) {
             return Err(StreamError::SwitchedOff);
         }
-        let file = match options.existing {
-            ExistingRecording::Replace => RecordingFile::create(&options.file)?,
-            ExistingRecording::WriteTo => RecordingFile::write_to(&options.file)?,
-        };
         let viewer = ViewerLink::open(&options.viewer)?;
-        let mut sinks: Vec<Box<dyn LogSink>> = vec![Box::new(file.clone())];
-        if viewer.state() != ViewerState::None {
-            sinks.push(Box::new(viewer.clone()));
+        let layers = Layers::begin(target, &options.name, &viewer, detectors)?;
+        log_static(layers.scans())?;
+        for (index, name) in detectors.iter().enumerate() {
+            log_lines(layers.of_detector(index), name, layers.joined.len() + index)?;
         }
-        let recording = RecordingStreamBuilder::new(APPLICATION_ID)
-            .recording_name(&*options.name)
-            .batcher_config(batching())
-            .set_sinks(sinks)
-            .map_err(|error| StreamError::Log {
-                entity: "the recording".to_owned(),
-                reason: error.to_string(),
-            })?;
-        recording.set_log_tick_enabled(false);
-        recording.set_log_time_enabled(false);
-
-        let names: Vec<String> = detectors.iter().map(|&it| it.to_owned()).collect();
-        log_static(&recording)?;
-        for (detector_idx, name) in names.iter().enumerate() {
-            log_lines(&recording, name, detector_idx)?;
-        }
-        log_further_lines(&recording, &axis.further_series)?;
-        let detectors = names
-            .into_iter()
-            .map(|name| DetectorState { name, on_screen: BTreeSet::new(), stages: Vec::new(), views: None })
+        log_further_lines(layers.scans(), &axis.further_series)?;
+        let detectors = detectors
+            .iter()
+            .map(|&name| DetectorState {
+                name: name.to_owned(),
+                on_screen: BTreeSet::new(),
+                stages: Vec::new(),
+                outline: None,
+            })
             .collect();
         let stream = Self {
-            recording,
-            file,
+            layers,
             viewer,
-            path: options.file.clone(),
             detectors,
             axis,
             opening: options.opening,
@@ -145,7 +128,7 @@ impl Stream {
             n_held_back: 0,
         };
         // A full disk shows here, and not after the first scans.
-        stream.flush()?;
+        stream.layers.flush()?;
         Ok(stream)
     }
 
@@ -171,15 +154,15 @@ impl Stream {
     /// [`StreamError`] if Rerun refuses, or if an earlier scan could not be written.
     pub fn log_scan(&mut self, view: &ScanView<'_>) -> Result<(), StreamError> {
         if self.n_held_back == MAX_HELD_BACK || self.viewer.state() == ViewerState::Connected {
-            self.flush()?;
+            self.layers.flush()?;
             self.n_held_back = 0;
         }
         self.n_held_back += 1;
         self.set_step(view.step)?;
         self.drawn_points = DrawnPoints::choose(&view.scan.cloud, self.points);
-        log_scan(&self.recording, view, &self.drawn_points)?;
+        log_scan(self.layers.scans(), view, &self.drawn_points)?;
         if self.opening.has_poses {
-            log_pose(&self.recording, view.world_from_sensor.as_ref(), view.drive_m)?;
+            log_pose(self.layers.scans(), view.world_from_sensor.as_ref(), view.drive_m)?;
         }
         Ok(())
     }
@@ -196,10 +179,10 @@ impl Stream {
         title: String,
         further: &[(&'static str, Option<f64>)],
     ) -> Result<(), StreamError> {
-        self.flush()?;
+        self.layers.flush()?;
         self.set_step(step)?;
-        log_title(&self.recording, title)?;
-        log_further(&self.recording, further)
+        log_title(self.layers.scans(), title)?;
+        log_further(self.layers.scans(), further)
     }
 
     /// Logs the results of a detector on `scan`, which is the one that was logged last.
@@ -216,7 +199,7 @@ impl Stream {
             });
         };
         let state = &mut self.detectors[detector_idx];
-        let stream = &self.recording;
+        let stream = self.layers.of_detector(detector_idx);
         let mut on_screen = log_products(stream, &self.drawn_points, view.name, view.products)?;
         on_screen.extend(log_scores(stream, view.name, &view.output.detections)?);
         for task in view.tasks {
@@ -235,8 +218,8 @@ impl Stream {
             log_latency(stream, view.name, latency)?;
         }
         log_stage_times(stream, view.name, &view.output.stage_times, &mut state.stages)?;
-        state.views.get_or_insert_with(|| DetectorViews::of(view.name, view.products));
-        if !self.is_laid_out && self.detectors.iter().all(|it| it.views.is_some()) {
+        state.outline.get_or_insert_with(|| DetectorOutline::of(view.name, view.products));
+        if !self.is_laid_out && self.detectors.iter().all(|it| it.outline.is_some()) {
             self.lay_out()?;
         }
         Ok(())
@@ -253,7 +236,9 @@ impl Stream {
         task: Task,
         lines: &[(Option<ChangeKind>, String)],
     ) -> Result<(), StreamError> {
-        log_changes(&self.recording, name, task, lines)
+        let of_side =
+            self.detectors.iter().position(|it| it.name == name).map(|it| self.layers.of_detector(it));
+        log_changes(of_side.unwrap_or(self.layers.scans()), name, task, lines)
     }
 
     /// Writes the end of the file and waits, within limits, until the viewer has everything.
@@ -265,20 +250,21 @@ impl Stream {
         if !self.is_laid_out {
             self.lay_out()?;
         }
-        self.flush()?;
-        self.file.finish()?;
+        self.layers.flush()?;
+        let file_n_bytes = self.layers.finish()?;
         let (viewer, served) = self.viewer.finish();
-        let file_n_bytes = file_size(&self.path)?;
         Ok(StreamEnding { file_n_bytes, viewer, served })
     }
 
     /// Sends the blueprint, which depends on the stage products of the detectors.
     fn lay_out(&mut self) -> Result<(), StreamError> {
-        let views = |it: &DetectorState| it.views.clone().unwrap_or_else(|| DetectorViews::of(&it.name, &[]));
-        let detectors: Vec<DetectorViews> = self.detectors.iter().map(views).collect();
-        let opening = self.opening;
-        let layout = RecordingLayout { detectors: &detectors, axis: &self.axis, opening };
-        send_blueprint(&self.recording, APPLICATION_ID, &layout)?;
+        let outline =
+            |it: &DetectorState| it.outline.clone().unwrap_or_else(|| DetectorOutline::of(&it.name, &[]));
+        let mut outlines = self.layers.joined.clone();
+        outlines.extend(self.detectors.iter().map(outline));
+        let detectors: Vec<DetectorViews> = outlines.iter().map(DetectorViews::of).collect();
+        let layout = RecordingLayout { detectors: &detectors, axis: &self.axis, opening: self.opening };
+        send_blueprint(self.layers.layout(&outlines)?, APPLICATION_ID, &layout)?;
         self.is_laid_out = true;
         Ok(())
     }
@@ -287,28 +273,9 @@ impl Stream {
         let timeline = rerun::TimelineName::try_new(&*self.axis.timeline).map_err(|error| {
             StreamError::Log { entity: self.axis.timeline.clone(), reason: error.to_string() }
         })?;
-        self.recording.set_time_sequence(timeline, step);
+        self.layers.set_step(timeline, step);
         Ok(())
     }
-
-    /// Lets Rerun write what it holds back, so that memory stays flat and a full disk is noticed.
-    fn flush(&self) -> Result<(), StreamError> {
-        // The file knows better than the flush why it failed.
-        let flushed = self.recording.flush_blocking();
-        self.file.check()?;
-        flushed.map_err(|error| StreamError::Write { path: self.path.clone(), reason: error.to_string() })
-    }
-}
-
-/// Only our own flush, between scans, cuts chunks and sends them: a timer would do so while a detector is timed.
-fn batching() -> ChunkBatcherConfig {
-    ChunkBatcherConfig::NEVER
-}
-
-fn file_size(path: &Path) -> Result<u64, StreamError> {
-    let metadata = std::fs::metadata(path)
-        .map_err(|error| StreamError::Write { path: path.to_owned(), reason: error.to_string() })?;
-    Ok(metadata.len())
 }
 
 #[cfg(test)]

@@ -29,21 +29,23 @@ pub use without_viewer::{
     Recorder, begin, is_wanted, record_growths, record_sweep, records_growths, rerun_version,
 };
 
-/// When a recording appears under its name.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Appearance {
-    /// At once, in a folder that is itself unfinished.
-    AtOnce,
-    /// Once it is complete.
-    Whole,
+/// Where a recording is written unless the user names a file.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub enum RecordingPlace {
+    /// To a folder of layers, in a folder that is itself unfinished.
+    Layers {
+        folder: PathBuf,
+        /// The folder of a recording over the same scans that they are to be put into.
+        joins: Option<PathBuf>,
+    },
+    /// To a file, which appears once it is complete.
+    File(PathBuf),
 }
 
 #[allow(dead_code, reason = "read by the viewer, where there is one")]
 pub struct RecordingPlan<'a> {
     pub arguments: &'a StreamArgs,
-    /// Where it is written unless the arguments say otherwise.
-    pub default_file: PathBuf,
-    pub appears: Appearance,
+    pub place: RecordingPlace,
     /// Its name in the viewer.
     pub name: &'a str,
     /// The task that it shows at first.
@@ -61,7 +63,7 @@ pub struct RecordingPlan<'a> {
     pub figures: &'static [FigureView],
 }
 
-/// Begins the recording `file`, called `name`, of `compared_detectors` on `datasets`. Returns it with the number n where one
+/// Begins the recording in `place`, called `name`, of `compared_detectors` on `datasets`. Returns it with the number n where one
 /// scan in n is recorded; `None` if no recording is wanted.
 pub fn begin_recording(
     arguments: &StreamArgs,
@@ -69,7 +71,7 @@ pub fn begin_recording(
     compared_detectors: &[ComparedDetector],
     datasets: &[OpenedDataset],
     name: &str,
-    file: PathBuf,
+    place: RecordingPlace,
 ) -> Result<Option<(Recorder, u64)>, Failure> {
     // False objects show only where they can be known: a run on cars and vans alone opens on the vehicles.
     let covers_objects = |it: &OpenedDataset| it.dataset.description().annotated.covers(Task::Objects);
@@ -78,8 +80,7 @@ pub fn begin_recording(
     let n_scans = datasets.iter().map(|it| it.part.len()).sum();
     let recorder = begin(&RecordingPlan {
         arguments,
-        default_file: file,
-        appears: Appearance::AtOnce,
+        place,
         name,
         shown_task,
         detectors: &detectors,

@@ -10,11 +10,11 @@ use reports::numbers::sweep_score::SweepScores;
 use reports::run_folder::run_directory::RunDirectory;
 use viewer::run_recording::{RecordingError, RecordingPath, RunRecording, RunRecordingOptions};
 use viewer::{
-    ExistingRecording, FirstTab, Opening, PointChoice, StreamError, StreamOptions, ViewerChoice,
-    partial_recording, sweep_recording,
+    FirstTab, Opening, PointChoice, StreamError, StreamOptions, ViewerChoice, partial_recording,
+    sweep_recording,
 };
 
-use super::{Appearance, RecordingPlan};
+use super::{RecordingPlace, RecordingPlan};
 use crate::cli::PartialArgs;
 use crate::cli::stream::{RecordedPoints, StreamArgs, TabName};
 use crate::plumbing::failure::Failure;
@@ -60,8 +60,6 @@ pub fn begin(plan: &RecordingPlan<'_>) -> Result<Option<Recorder>, Failure> {
     let options = RunRecordingOptions {
         stream: StreamOptions {
             name: plan.name.to_owned(),
-            file: plan.default_file.clone(),
-            existing: ExistingRecording::Replace,
             viewer,
             opening,
             points: match arguments.rerun_points {
@@ -70,10 +68,10 @@ pub fn begin(plan: &RecordingPlan<'_>) -> Result<Option<Recorder>, Failure> {
                 Some(RecordedPoints::AtMost(n)) => PointChoice::AtMost(n),
             },
         },
-        elsewhere: match (arguments.save_rrd.clone().flatten(), plan.appears) {
-            (Some(file), _) => Some(RecordingPath::Named(file)),
-            (None, Appearance::Whole) => Some(RecordingPath::InRun(plan.default_file.clone())),
-            (None, Appearance::AtOnce) => None,
+        path: match (arguments.save_rrd.clone().flatten(), plan.place.clone()) {
+            (Some(file), _) => RecordingPath::Named(file),
+            (None, RecordingPlace::File(file)) => RecordingPath::InRun(file),
+            (None, RecordingPlace::Layers { folder, joins }) => RecordingPath::Layers { folder, joins },
         },
         every,
     };
@@ -142,6 +140,7 @@ impl From<StreamError> for Failure {
             | StreamError::SwitchedOff
             | StreamError::ViewerNotInstalled { .. }
             | StreamError::ViewerFailed { .. } => Self::Usage(error.into()),
+            StreamError::NoLayout { path, .. } => Self::damaged_run(&path.clone(), error),
             StreamError::Create { source, .. } => Self::of_writing(source.kind(), error),
             StreamError::Write { .. } => Self::Unwritten(error.into()),
             StreamError::Serve { .. }

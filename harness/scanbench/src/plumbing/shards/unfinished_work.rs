@@ -1,6 +1,7 @@
 //! Work that is not finished: what it has done so far is kept beside the directory that it will have.
 
 use std::ffi::{OsStr, OsString};
+use std::fs::DirEntry;
 use std::path::{Path, PathBuf};
 use std::time::Duration;
 
@@ -10,6 +11,7 @@ use reports::files::archive::ArchiveError;
 use reports::files::hidden_folder::HiddenFolder;
 use reports::files::new_file::make_folder;
 use reports::files::whole_file::is_unfinished_file;
+use reports::run_folder::run_directory::RECORDING;
 use reports::run_folder::run_target::ClaimedTarget;
 use reports::vocabulary::shard::Shard;
 use reports::vocabulary::study::Study;
@@ -237,13 +239,26 @@ fn remove_leftovers(folder: &Path) {
     }
 }
 
-/// The files of results in `folder`.
+/// The files of results, and the folders of recordings, in `folder`.
 fn names_of_results(folder: &Path) -> Vec<OsString> {
     let entries = std::fs::read_dir(folder).into_iter().flatten().flatten();
-    let has_ending = |it: &OsString| {
-        Path::new(it).extension().and_then(OsStr::to_str).is_some_and(|it| ENDINGS.contains(&it))
+    let is_of_results = |it: &DirEntry| {
+        let name = it.file_name();
+        let ending = Path::new(&name).extension().and_then(OsStr::to_str);
+        ending.is_some_and(|it| ENDINGS.contains(&it)) || name.to_string_lossy().starts_with(RECORDING)
     };
-    entries.map(|it| it.file_name()).filter(has_ending).collect()
+    entries.filter(is_of_results).map(|it| it.file_name()).collect()
+}
+
+/// Removes the file of a result, or the folder of a recording unless there is something else in it.
+fn remove_result(path: &Path) {
+    if !std::fs::symlink_metadata(path).is_ok_and(|it| it.is_dir()) {
+        return remove(std::fs::remove_file(path), path);
+    }
+    for name in names_of_results(path) {
+        remove_result(&path.join(name));
+    }
+    remove(std::fs::remove_dir(path), path);
 }
 
 /// Files that work has left beside its result.
@@ -270,8 +285,7 @@ impl KeptFiles {
             return;
         }
         for name in names_of_results(&folder).into_iter().chain([JOURNAL.into()]) {
-            let path = folder.join(name);
-            remove(std::fs::remove_file(&path), &path);
+            remove_result(&folder.join(name));
         }
         let is_empty = std::fs::read_dir(&folder).is_ok_and(|mut it| it.next().is_none());
         if is_empty {

@@ -8,9 +8,8 @@ use evaluation::run::config::VehicleModels;
 use evaluation::run::scan_recorder::Served;
 use evaluation::run::sink::Sinks;
 use reports::files::archive::ArchiveError;
-use reports::files::new_file::add_name;
 use reports::run_folder::manifest::Manifest;
-use reports::run_folder::run_directory::RunDirectory;
+use reports::run_folder::run_directory::{RECORDING, RunDirectory};
 use reports::run_folder::shard_record::{ProcessorRows, ShardRecord, ShardRecording};
 use reports::vocabulary::shard::Shard;
 use reports::vocabulary::study::Study;
@@ -31,6 +30,7 @@ use crate::plumbing::open_datasets::{OpenedDataset, ids_of};
 use crate::plumbing::progress::RunProgress;
 use crate::plumbing::provenance::machine;
 use crate::plumbing::recorder::Recorder;
+use crate::plumbing::second_names::keep;
 use crate::plumbing::sinks::rerun_recording::RerunRecording;
 use crate::plumbing::sinks::terminal::Terminal;
 use crate::plumbing::standard_streams::print_diagnostic;
@@ -53,8 +53,8 @@ pub trait WatchedStudy {
     /// The run over its data sets.
     fn watched<'a>(&'a self, progress: &'a RunProgress) -> WatchedRun<'a>;
 
-    /// Begins the recording `file`, called `name`, and returns it with the n of one scan in n; `None` if none is wanted.
-    fn begin_recording(&self, _name: &str, _file: PathBuf) -> Result<Option<(Recorder, u64)>, Failure> {
+    /// Begins the recording in `folder`, called `name`, and returns it with the n of one scan in n; `None` if none is wanted.
+    fn begin_recording(&self, _name: &str, _folder: PathBuf) -> Result<Option<(Recorder, u64)>, Failure> {
         Ok(None)
     }
 
@@ -209,8 +209,7 @@ impl<S: WatchedStudy> SharedWork for Watched<'_, S> {
             // Only a run that sees all scans writes MCAP. In a folder that is kept, such a file is of an earlier run.
             let is_mcap = kept.is_passing() && path.extension().is_some_and(|it| it == "mcap");
             if is_mcap || recordings.contains(&name.as_str()) {
-                let to = directory.path_of(&name);
-                add_name(&path, &to).map_err(|source| ArchiveError::Write { path: to, source })?;
+                keep(&path, &directory.path_of(&name))?;
             }
         }
         Ok(())
@@ -252,8 +251,8 @@ impl<S: WatchedStudy> Watched<'_, S> {
         let UnfinishedWork { folder, claimed, .. } = unfinished;
         let progress = RunProgress::new();
         let file = match self.progress.n_starts {
-            n if n > 0 && self.progress.n_scans > 0 => format!("run-{}.rrd", n + 1),
-            _ => "run.rrd".to_owned(),
+            n if n > 0 && self.progress.n_scans > 0 => format!("{RECORDING}-{}", n + 1),
+            _ => RECORDING.to_owned(),
         };
         let name = claimed.target().file_name().unwrap_or_default().to_string_lossy().into_owned();
         let recorder = study.begin_recording(&name, folder.join(&file))?;

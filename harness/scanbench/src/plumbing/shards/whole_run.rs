@@ -6,7 +6,7 @@ use reports::numbers::tally::Tally;
 use reports::protocols::protocol_report::ProtocolReport;
 use reports::rows::scan_row::ScanRow;
 use reports::run_folder::manifest::Manifest;
-use reports::run_folder::run_directory::{RECORDINGS_JSON, RUN_RRD, RunDirectory, WORST_POINTS_JSON};
+use reports::run_folder::run_directory::{RECORDING, RECORDINGS_JSON, RunDirectory, WORST_POINTS_JSON};
 use reports::run_folder::shard_check::ShardMismatch;
 use reports::run_folder::shard_record::{ShardPart, ShardRecord};
 use reports::vocabulary::study::Study;
@@ -104,7 +104,7 @@ impl WholeRun {
         more.extend(write_agreement(directory, &agreement)?);
         let draws = gathered.tally.draw();
         let report = gathered.tally.report(manifest.scoring_version, &draws)?;
-        let has_recording = directory.path_of(RUN_RRD).is_file();
+        let has_recording = directory.path_of(RECORDING).is_dir();
         let beside = BesideRows { points: Some(points), recordings, protocols, agreement, has_recording };
         let facts = RunFacts::of(gathered, beside, manifest, report, &draws)?;
         write_facts(directory, &facts)?;
@@ -132,7 +132,7 @@ fn points_of(worst: &WorstObjects<Surroundings>) -> WorstPoints {
     WorstPoints::of_patches(objects.map(patch).collect())
 }
 
-/// Recordings of the worst mistakes; `None` if one recording in `run.rrd` has all, where the number of the scan says enough,
+/// Recordings of the worst mistakes; `None` if one recording in [`RECORDING`] has all, where the number of the scan says enough,
 /// or if none are recorded.
 fn recordings_of(
     worst: &WorstObjects<Surroundings>,
@@ -140,7 +140,7 @@ fn recordings_of(
     path_of: impl Fn(usize, &str) -> String,
 ) -> Option<Recordings> {
     let is_beside = |(shard_idx, shard): (usize, &ShardRecord)| {
-        shard.recordings.iter().all(|it| it.file == RUN_RRD && path_of(shard_idx, RUN_RRD) == RUN_RRD)
+        shard.recordings.iter().all(|it| it.file == RECORDING && path_of(shard_idx, RECORDING) == RECORDING)
     };
     if shards.iter().enumerate().all(is_beside) {
         return None;

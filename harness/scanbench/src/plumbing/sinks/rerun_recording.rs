@@ -1,4 +1,4 @@
-//! `run.rrd` for the Rerun viewer.
+//! The recording for the Rerun viewer.
 
 use evaluation::run::scan_recorder::{RecordedScan, ScanRecorder as _, Served};
 use evaluation::run::sink::{JudgedScan, RunSink};

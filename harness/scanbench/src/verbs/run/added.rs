@@ -7,8 +7,6 @@ use evaluation::run::detector_list::DEFAULT_DETECTORS;
 use reports::files::archive::ArchiveError;
 use reports::files::csv_rows::{CsvRow, read_rows};
 use reports::files::hidden_folder::HiddenFolder;
-use reports::files::new_file::add_name;
-use reports::files::new_folders::NewFolders;
 use reports::rows::kitti_object_row::KittiObjectRow;
 use reports::rows::label_score_row::LabelScoreRow;
 use reports::rows::match_row::MatchRow;
@@ -20,7 +18,7 @@ use reports::run_folder::command_line::joined_command;
 use reports::run_folder::manifest::Manifest;
 use reports::run_folder::run_archive::RunArchive;
 use reports::run_folder::run_directory::{
-    AGREEMENT_CSV, KITTI_OBJECT_CSV, MATCHES_CSV, PROTOCOL_BOXES_CSV, PROTOCOL_LABELS_CSV, RUN_RRD,
+    AGREEMENT_CSV, KITTI_OBJECT_CSV, MATCHES_CSV, PROTOCOL_BOXES_CSV, PROTOCOL_LABELS_CSV, RECORDING,
     RunDirectory, SCANS_CSV, STAGES_CSV, WORST_POINTS_JSON,
 };
 use reports::run_folder::run_target::{ClaimedTarget, ExistingTarget, LatestPointer};
@@ -31,10 +29,10 @@ use reports::worst::points::{Patch, WorstPoints};
 use crate::cli::{OutputArgs, RunArgs};
 use crate::plumbing::failure::{Failure, Usage};
 use crate::plumbing::open_run::open_run;
+use crate::plumbing::second_names::keep;
 use crate::plumbing::shards::run_event::{RunEvent, ScanEvent};
 use crate::plumbing::shards::run_rows::RunRows;
 use crate::plumbing::shards::whole_run::WholeRun;
-use crate::plumbing::standard_streams::print_diagnostic;
 use crate::verbs::run::ending::print_ending;
 use crate::verbs::run::made::made_run;
 use crate::verbs::run::setup::arguments_of;
@@ -49,15 +47,14 @@ pub fn add_to(base: &Path, arguments: &RunArgs) -> Result<(), Failure> {
     let target = ClaimedTarget::claim(base, ExistingTarget::Replace, LatestPointer::Leave)?;
     let folder = HiddenFolder::beside(base, "added")
         .map_err(|error| Failure::internal("cannot make a folder beside the run", error))?;
-    let has_recording = base.join(RUN_RRD).is_file();
     again.detectors = named(arguments, &before.manifest)?;
     again.foreign.detections.clone_from(&arguments.foreign.detections);
     again.output = OutputArgs { output: Some(folder.path().join("run")), overwrite: false };
     again.foreign.missing_detections = arguments.foreign.missing_detections;
     let stream = &mut again.stream;
-    stream.no_rrd = !has_recording || arguments.stream.no_rrd;
+    stream.no_rrd = !base.join(RECORDING).is_dir() || arguments.stream.no_rrd;
     (stream.save_rrd, stream.connect, stream.serve, stream.spawn) = (None, None, None, false);
-    // It marks a run that nobody can continue.
+    // Its recording joins that one. It also marks a run that nobody can continue.
     again.add_to = Some(base.clone());
     again.mcap = false;
     again.result_files.detections_out = None;
@@ -67,14 +64,19 @@ pub fn add_to(base: &Path, arguments: &RunArgs) -> Result<(), Failure> {
     check_joinable(&before, &after).map_err(|error| Failure::NotComparable(error.into()))?;
     let manifest = joined(before.manifest, after.manifest);
     let directory = RunDirectory::begin(target)?;
-    keep_recordings(base, &path, &manifest, &directory)?;
+    // Its layers, and the layout that shows all detectors.
+    let recording = path.join(RECORDING);
+    if recording.is_dir() {
+        keep(&recording, &directory.path_of(RECORDING))?;
+    }
     let mut rows = RunRows::begin(&manifest, directory.folder())?;
     let damaged = |error| Failure::damaged_run(base, error);
     for event in events([base, &path], &manifest).map_err(damaged)? {
         rows.add(&event, 0)?;
     }
     let whole = WholeRun::in_one_piece(Study::Run, rows, &manifest, &directory)?;
-    keep_the_rest(base, directory.folder())?;
+    // Whoever put it there.
+    keep(base, directory.folder())?;
     let finished = directory.finish()?;
     print_ending(&whole, &finished)
 }
@@ -139,49 +141,6 @@ fn joined(mut before: Manifest, after: Manifest) -> Manifest {
     }
     before.detectors.extend(after.detectors);
     before
-}
-
-/// Keeps the recordings of both, and says where that of the second is: it has the name of its last detector.
-fn keep_recordings(
-    base: &Path,
-    added: &Path,
-    manifest: &Manifest,
-    directory: &RunDirectory,
-) -> Result<(), Failure> {
-    let recording = base.join(RUN_RRD);
-    if recording.is_file() {
-        keep(&recording, &directory.path_of(RUN_RRD))?;
-    }
-    let recording = added.join(RUN_RRD);
-    if let Some(last) = manifest.detectors.last().filter(|_| recording.is_file()) {
-        let name = format!("run-{}.rrd", last.name);
-        keep(&recording, &directory.path_of(&name))?;
-        print_diagnostic(format_args!("Recording of what was added: {}", base.join(name).display()));
-    }
-    Ok(())
-}
-
-/// Keeps what lies in the folder `from` and is not made again in `to`, whoever put it there.
-fn keep_the_rest(from: &Path, to: &Path) -> Result<(), Failure> {
-    let refused = |error| Failure::damaged_run(from, error);
-    for entry in std::fs::read_dir(from).map_err(refused)? {
-        let entry = entry.map_err(refused)?;
-        let target = to.join(entry.file_name());
-        let kind = entry.file_type().map_err(refused)?;
-        if kind.is_dir() {
-            let made = NewFolders::create(&target);
-            // A folder that stays empty goes again.
-            let _folder = made.map_err(|source| ArchiveError::Write { path: target.clone(), source })?;
-            keep_the_rest(&entry.path(), &target)?;
-        } else if kind.is_file() && !target.exists() {
-            keep(&entry.path(), &target)?;
-        }
-    }
-    Ok(())
-}
-
-fn keep(from: &Path, path: &Path) -> Result<(), Failure> {
-    Ok(add_name(from, path).map_err(|source| ArchiveError::Write { path: path.to_owned(), source })?)
 }
 
 /// Rows of a file by the scan that they are of, in order.

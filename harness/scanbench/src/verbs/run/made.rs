@@ -7,6 +7,7 @@ use evaluation::run::scan_recorder::Served;
 use evaluation::run::sink::Sinks;
 use jiff::Timestamp;
 use reports::run_folder::manifest::Manifest;
+use reports::run_folder::run_directory::RECORDING;
 use reports::vocabulary::study::Study;
 use scans::conversion::results::result_folder::ResultFolder;
 use serde_json::Value;
@@ -15,7 +16,7 @@ use crate::cli::{ResultFilesArgs, RunArgs};
 use crate::plumbing::failure::Failure;
 use crate::plumbing::open_datasets::OpenedDataset;
 use crate::plumbing::progress::RunProgress;
-use crate::plumbing::recorder::{Recorder, begin_recording};
+use crate::plumbing::recorder::{Recorder, RecordingPlace, begin_recording};
 use crate::plumbing::shards::watched_study::{WatchedStudy, execute_watched};
 use crate::plumbing::shards::whole_run::WholeRun;
 use crate::plumbing::shards::work_output::{WorkOutput, refuse_what_is_for_whole_runs};
@@ -75,9 +76,11 @@ impl WatchedStudy for RunStudy<'_> {
         WatchedRun { counter: self.counter.as_ref(), ..self.opened.watched(self.arguments, progress) }
     }
 
-    fn begin_recording(&self, name: &str, file: PathBuf) -> Result<Option<(Recorder, u64)>, Failure> {
+    fn begin_recording(&self, name: &str, folder: PathBuf) -> Result<Option<(Recorder, u64)>, Failure> {
         let OpenedRun { compared_detectors, datasets, .. } = &self.opened;
-        begin_recording(&self.arguments.stream, &[], compared_detectors, datasets, name, file)
+        let joins = self.arguments.add_to.as_ref().map(|it| it.join(RECORDING));
+        let place = RecordingPlace::Layers { folder, joins };
+        begin_recording(&self.arguments.stream, &[], compared_detectors, datasets, name, place)
     }
 
     fn sinks<'a>(&'a self, folder: &'a Path) -> Result<Sinks<'a, Failure>, Failure> {

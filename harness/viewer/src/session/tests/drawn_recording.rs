@@ -28,7 +28,7 @@ use scans::annotation::{Annotation, LabeledScan, ScanId};
 
 use super::super::{Stream, StreamEnding};
 use crate::{
-    DetectorView, ExistingRecording, FirstTab, Opening, PointChoice, ScanView, StreamError, StreamOptions,
+    DetectorView, FirstTab, Opening, PointChoice, RecordingTarget, ScanView, StreamError, StreamOptions,
     TaskView, ViewerChoice,
 };
 
@@ -114,8 +114,7 @@ pub fn one_of_each(task: Task) -> Assignment {
     }
 }
 
-pub fn options(folder: &Path, viewer: ViewerChoice) -> StreamOptions {
-    let (name, file) = ("test".to_owned(), folder.join("run.rrd"));
+pub fn options(viewer: ViewerChoice) -> StreamOptions {
     let opening = Opening {
         shown_task: Task::Objects,
         first_tab: FirstTab::Compare,
@@ -123,14 +122,7 @@ pub fn options(folder: &Path, viewer: ViewerChoice) -> StreamOptions {
         at_the_start: false,
         figures: &[],
     };
-    StreamOptions {
-        name,
-        file,
-        existing: ExistingRecording::Replace,
-        viewer,
-        opening,
-        points: PointChoice::All,
-    }
+    StreamOptions { name: "test".to_owned(), viewer, opening, points: PointChoice::All }
 }
 
 /// Logs `scan` at its index, one metre further on than the one before.
@@ -168,12 +160,33 @@ pub fn log_detector(
 
 /// A recording of `n_scans` scans by two detectors; the last scan has no outcomes.
 pub fn record(folder: &Path, viewer: ViewerChoice, n_scans: u32) -> Result<StreamEnding, StreamError> {
-    let mut stream = Stream::open(&options(folder, viewer), &["grid", "kd-tree"])?;
+    let target = RecordingTarget::File(folder.join("run.rrd"));
+    record_with(&target, &options(viewer), &["grid", "kd-tree"], n_scans)
+}
+
+/// The same by these detectors to `target`.
+pub fn record_to(target: &RecordingTarget, detectors: &[&str], n_scans: u32) {
+    record_with(target, &options(ViewerChoice::None), detectors, n_scans).unwrap();
+}
+
+/// A recording of one detector to a file that is just begun.
+pub fn open_file(folder: &Path) -> Stream {
+    let target = RecordingTarget::File(folder.join("run.rrd"));
+    Stream::open(&target, &options(ViewerChoice::None), &["grid"]).unwrap()
+}
+
+fn record_with(
+    target: &RecordingTarget,
+    options: &StreamOptions,
+    detectors: &[&str],
+    n_scans: u32,
+) -> Result<StreamEnding, StreamError> {
+    let mut stream = Stream::open(target, options, detectors)?;
     for index in 0..n_scans {
         let scan = scan(index);
         log_scan(&mut stream, &scan)?;
         let assignments = if index + 1 < n_scans { Task::ALL.map(one_of_each).to_vec() } else { vec![] };
-        for name in ["grid", "kd-tree"] {
+        for name in detectors {
             log_detector(&mut stream, &scan, name, &products(), &assignments)?;
         }
     }

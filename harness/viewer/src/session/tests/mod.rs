@@ -1,6 +1,8 @@
 //! Content of a recording, read back as a viewer would read it.
 
+use std::collections::BTreeMap;
 use std::net::TcpListener;
+use std::path::Path;
 use std::time::{Duration, Instant};
 
 use detector::stage_product::Shape;
@@ -10,16 +12,16 @@ use evaluation::matching::outcome::Assignment;
 use reports::vocabulary::task::Task;
 use rerun::ComponentIdentifier;
 use rerun::external::arrow::array::{Array as _, AsArray as _};
-use rerun::external::arrow::datatypes::{UInt16Type, UInt32Type};
+use rerun::external::arrow::datatypes::UInt32Type;
 use rerun::external::re_log_types::LogMsg;
 
 use self::drawn_recording::{
-    N_POINTS, chunks, chunks_of_blueprint, log_detector, log_scan, messages, n_logged, one_of_each, options,
-    products, record, scan, surfaces,
+    N_POINTS, chunks, chunks_of_blueprint, log_detector, log_scan, messages, n_logged, one_of_each,
+    open_file, options, products, record, record_to, scan, surfaces,
 };
 use super::*;
-use crate::entity_paths::{self, PointColumns};
-use crate::{ViewerChoice, legend, palette};
+use crate::recording_layout::KeptLayout;
+use crate::{ViewerChoice, entity_paths, legend, palette};
 
 mod drawn_recording;
 
@@ -38,7 +40,6 @@ fn points_are_logged_once_a_scan_and_labelled_once_a_detector() {
     check_n_logged(&[
         ("/world/sensor/scan/points Points3D:positions", 3),
         ("/world/sensor/scan/points Points3D:colors", 3),
-        ("/world/sensor/scan/points grid:grid:point_classes", 3),
         ("/world/sensor/scan/points grid:grid:point_classes:colors", 3),
         ("/world/sensor/scan/points grid:grid:clusters:colors", 3),
         ("/world/sensor/scan/points grid:grid:first_guess:colors", 3),
@@ -135,20 +136,20 @@ fn poses_marks_counts_and_mistakes_are_logged_scan_by_scan() {
 #[test]
 fn fewer_points_are_drawn_than_there_are_if_so_asked() {
     let folder = tempfile::tempdir().unwrap();
-    let options =
-        StreamOptions { points: PointChoice::AtMost(2), ..options(folder.path(), ViewerChoice::None) };
-    let mut stream = Stream::open(&options, &["grid"]).unwrap();
+    let options = StreamOptions { points: PointChoice::AtMost(2), ..options(ViewerChoice::None) };
+    let file = folder.path().join("run.rrd");
+    let mut stream = Stream::open(&RecordingTarget::File(file.clone()), &options, &["grid"]).unwrap();
     let scan = scan(0);
     log_scan(&mut stream, &scan).unwrap();
     log_detector(&mut stream, &scan, "grid", &products(), &[]).unwrap();
     stream.finish().unwrap();
-    let chunks = chunks(&options.file);
+    let chunks = chunks(&file);
     let n_rows = |component: ComponentIdentifier| {
         let logged = chunks.iter().find_map(|chunk| chunk.components().get_array(component)).unwrap();
         logged.value(0).len()
     };
     assert_eq!(n_rows(re_sdk_types::archetypes::Points3D::descriptor_positions().component), 2);
-    assert_eq!(n_rows(PointColumns::of("grid", &products()[2]).unwrap().colors), 2);
+    assert_eq!(n_rows(entity_paths::point_colors("grid", "grid", "clusters")), 2);
     let title = chunks.iter().find(|it| it.entity_path() == &entity_paths::LEGEND_SCAN.into()).unwrap();
     assert!(format!("{title}").contains("2 of 6 points drawn"), "{title}");
 }
@@ -156,7 +157,7 @@ fn fewer_points_are_drawn_than_there_are_if_so_asked() {
 #[test]
 fn points_that_cannot_be_drawn_take_their_labels_along() {
     let folder = tempfile::tempdir().unwrap();
-    let mut stream = Stream::open(&options(folder.path(), ViewerChoice::None), &["grid"]).unwrap();
+    let mut stream = open_file(folder.path());
     let mut scan = scan(0);
     let with_holes = |it: usize| if it == 1 || it == 4 { f32::NAN } else { it as f32 };
     scan.cloud = (0..N_POINTS).map(|it| [with_holes(it), 0.0, 0.0]).collect::<PointCloud>();
@@ -170,19 +171,18 @@ fn points_that_cannot_be_drawn_take_their_labels_along() {
         column.value(0)
     };
     let surfaces = [0, 2, 3, 5].map(|it| surfaces()[it]);
-    let of_surfaces = PointColumns::of("grid", &products()[1]).unwrap();
-    let logged = column(of_surfaces.class_ids.unwrap()).as_primitive::<UInt16Type>().values().to_vec();
-    assert_eq!(logged, surfaces.map(|it| it as u16));
     let rgba = |it: palette::Rgb| legend::rgba(it).to_u32();
-    let colors = |it: ComponentIdentifier| column(it).as_primitive::<UInt32Type>().values().to_vec();
-    assert_eq!(colors(of_surfaces.colors), surfaces.map(palette::surface_color).map(rgba));
-    let of_clusters = PointColumns::of("grid", &products()[2]).unwrap();
+    let colors = |product: &str| {
+        let column = column(entity_paths::point_colors("grid", "grid", product));
+        column.as_primitive::<UInt32Type>().values().to_vec()
+    };
+    assert_eq!(colors("point_classes"), surfaces.map(palette::surface_color).map(rgba));
     let none = palette::surface_color(SurfaceClass::Unseen);
-    assert_eq!(colors(of_clusters.colors), [palette::cluster_color(0), none, none, none].map(rgba));
+    assert_eq!(colors("clusters"), [palette::cluster_color(0), none, none, none].map(rgba));
 }
 
 #[test]
-fn views_take_the_colours_of_points_and_not_their_class_ids_alone() {
+fn views_take_the_colours_of_points() {
     let folder = tempfile::tempdir().unwrap();
     record(folder.path(), ViewerChoice::None, 1).unwrap();
     let component = ComponentIdentifier::try_new("VisualizerInstruction:component_map").unwrap();
@@ -190,12 +190,10 @@ fn views_take_the_colours_of_points_and_not_their_class_ids_alone() {
     let mappings = blueprint.iter().filter_map(|it| it.components().get_array(component));
     let mappings: Vec<String> = mappings.map(|it| format!("{it:?}")).collect();
     for detector in ["grid", "kd-tree"] {
-        for (product, class_ids) in [("point_classes", true), ("clusters", false)] {
+        for product in ["point_classes", "clusters"] {
             let column = format!("\"{detector}:grid:{product}:colors\"");
             let of_column: Vec<&String> = mappings.iter().filter(|it| it.contains(&column)).collect();
-            let is_right = |it: &&String| {
-                it.contains("Points3D:colors") && it.contains("Points3D:class_ids") == class_ids
-            };
+            let is_right = |it: &&String| it.contains("Points3D:colors");
             assert!(!of_column.is_empty() && of_column.iter().all(is_right), "{column}: {mappings:#?}");
         }
     }
@@ -204,7 +202,7 @@ fn views_take_the_colours_of_points_and_not_their_class_ids_alone() {
 #[track_caller]
 fn check_refused(name: &str, products: &[StageProduct], assignments: &[Assignment], expected: &str) {
     let folder = tempfile::tempdir().unwrap();
-    let mut stream = Stream::open(&options(folder.path(), ViewerChoice::None), &["grid"]).unwrap();
+    let mut stream = open_file(folder.path());
     let scan = scan(0);
     log_scan(&mut stream, &scan).unwrap();
     let refused = log_detector(&mut stream, &scan, name, products, assignments).unwrap_err();
@@ -230,10 +228,8 @@ fn what_is_not_of_this_scan_is_refused() {
 #[cfg(target_os = "linux")]
 #[test]
 fn a_full_disk_is_an_error() {
-    let mut options = options(Path::new("."), ViewerChoice::None);
-    options.file = PathBuf::from("/dev/full");
-    options.existing = ExistingRecording::WriteTo;
-    let refused = Stream::open(&options, &["grid"]).map(|_| ()).unwrap_err();
+    let device = RecordingTarget::Device("/dev/full".into());
+    let refused = Stream::open(&device, &options(ViewerChoice::None), &["grid"]).map(|_| ()).unwrap_err();
     assert!(matches!(refused, StreamError::Write { .. }), "{refused}");
     assert!(refused.to_string().contains("No space left"), "{refused}");
 }
@@ -296,4 +292,65 @@ fn a_viewer_that_never_answers_does_not_cost_the_file() {
     let silent = TcpListener::bind("127.0.0.1:0").unwrap();
     let port = silent.local_addr().unwrap().port();
     check_viewer_is_lost(&format!("rerun+http://127.0.0.1:{port}/proxy"), Duration::from_secs(30));
+}
+
+#[test]
+fn layers_hold_what_one_file_holds() {
+    let folder = tempfile::tempdir().unwrap();
+    record(folder.path(), ViewerChoice::None, 3).unwrap();
+    let whole = n_logged(&folder.path().join("run.rrd"));
+    let layers = folder.path().join("recording");
+    record_to(&layers_in(&layers, None), &["grid", "kd-tree"], 3);
+    let mut of_layers = BTreeMap::new();
+    for name in ["scans", "detector-grid", "detector-kd-tree"] {
+        let of_layer = n_logged(&layers.join(format!("{name}.rrd")));
+        assert!(of_layer.keys().all(|it| !of_layers.contains_key(it)), "{name}: {of_layer:#?}");
+        of_layers.extend(of_layer);
+    }
+    assert_eq!(of_layers, whole);
+    assert_eq!(chunks_of_blueprint(&layers.join("detector-grid.rrd")).len(), 0);
+    assert_eq!(stores(&layers).len(), 1);
+}
+
+#[test]
+fn a_detector_joins_a_recording() {
+    let folder = tempfile::tempdir().unwrap();
+    let [first, joined] = ["first", "joined"].map(|it| folder.path().join(it));
+    record_to(&layers_in(&first, None), &["grid"], 3);
+    record_to(&layers_in(&joined, Some(&first)), &["kd-tree"], 3);
+    let names = |layers: &Path| -> BTreeSet<String> {
+        let entries = std::fs::read_dir(layers).unwrap();
+        entries.map(|it| it.unwrap().file_name().into_string().unwrap()).collect()
+    };
+    assert_eq!(names(&joined), ["detector-kd-tree.rrd", "layout.rrd"].map(str::to_owned).into());
+    assert_eq!(stores(&first), stores(&joined));
+    let layout = chunks_of_blueprint(&joined.join("layout.rrd"));
+    let drawn: Vec<String> = layout.iter().map(|it| format!("{:?}", it.components())).collect();
+    for detector in ["grid", "kd-tree"] {
+        let column = format!("{detector}:grid:clusters:colors");
+        assert!(drawn.iter().any(|it| it.contains(&column)), "{column}");
+    }
+    // A third one sees both.
+    record_to(&layers_in(&folder.path().join("again"), Some(&joined)), &["pca"], 1);
+    let kept = KeptLayout::read(&folder.path().join("again/layout.rrd")).unwrap();
+    assert_eq!(kept.detectors.iter().map(|it| &it.detector).collect::<Vec<_>>(), ["grid", "kd-tree", "pca"]);
+}
+
+#[test]
+fn a_recording_without_layout_is_not_joined() {
+    let folder = tempfile::tempdir().unwrap();
+    let target = layers_in(&folder.path().join("joined"), Some(folder.path()));
+    let refused = Stream::open(&target, &options(ViewerChoice::None), &["grid"]).map(|_| ()).unwrap_err();
+    assert!(matches!(refused, StreamError::NoLayout { .. }), "{refused}");
+}
+
+fn layers_in(folder: &Path, joins: Option<&Path>) -> RecordingTarget {
+    RecordingTarget::Layers { folder: folder.to_owned(), joins: joins.map(Path::to_owned) }
+}
+
+/// Ids of the recordings whose layers are in `folder`.
+fn stores(folder: &Path) -> BTreeSet<String> {
+    let entries = std::fs::read_dir(folder).unwrap();
+    let all = entries.flat_map(|it| messages(&it.unwrap().path()));
+    all.filter(|it| it.store_id().is_recording()).map(|it| format!("{:?}", it.store_id())).collect()
 }
