@@ -15,7 +15,7 @@ from pathlib import Path
 
 from rerun.experimental import RrdReader
 
-from layers import whole
+from layers import one_file
 from program import run
 
 ALL = ["hierarchical", "kd-tree", "pca"]
@@ -129,7 +129,7 @@ def main(scanbench, pictures, scratch, newest=None):
     }.items():
         run(scanbench, *command.split(), "-o", scratch / name)
     for name in ("compare", "paper", "every"):
-        whole(scratch / name / "recording", scratch / name)
+        one_file(scratch / name / "recording", scratch / name)
     compared = scratch / "compare/run.rrd"
     run(scanbench, "view", compared.parent, *"--worst 3 --task objects --rerun-points 20000".split())
     empty, unjudged = damaged(compared, "/"), damaged(compared, "/world/sensor/detectors/pca/outcomes")

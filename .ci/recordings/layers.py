@@ -4,7 +4,7 @@ import subprocess
 from pathlib import Path
 
 
-def whole(path, folder):
+def one_file(path, folder):
     """The recording at this path; its layers are put together in `folder`."""
     layers = sorted(map(str, Path(path).glob("*.rrd")))
     if not layers:

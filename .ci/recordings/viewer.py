@@ -20,7 +20,7 @@ from pathlib import Path
 from PIL import Image
 from rerun.experimental import ViewerClient
 
-from layers import whole
+from layers import one_file
 
 try:
     from rerun.chunk import RrdReader
@@ -166,7 +166,7 @@ def problem_of(kind, is_judged, image, expected):
 def problems_of_views(path, picture):
     """What is wrong with the views in front."""
     with tempfile.TemporaryDirectory() as folder:
-        one = whole(path, Path(folder))
+        one = one_file(path, Path(folder))
         views, expected = views_in_front(one), colors_of_points(one)
     if os.environ.get("TURN_COLOURS"):
         expected = {view: {(b // 2, r, g): n for (r, g, b), n in colors.items()} for view, colors in expected.items()}

@@ -150,6 +150,11 @@ pub fn outcome_layer(detector: &str, task: Task, layer: OutcomeLayer) -> EntityP
     below(DETECTORS, &[detector, "outcomes", task.name(), layer.path_part()])
 }
 
+/// Mistakes of one detector that are pointed at.
+pub fn marks(detector: &str) -> EntityPath {
+    below(DETECTORS, &[detector, "marks"])
+}
+
 /// Dots above detections, by the class that their detector gives.
 pub fn given_classes(detector: &str, task: Task) -> EntityPath {
     below(DETECTORS, &[detector, "outcomes", task.name(), "classes"])

@@ -12,7 +12,7 @@ use super::product_views::DetectorOutline;
 use super::recording_file::RecordingFile;
 use super::recording_layout::{self, KeptLayout};
 use super::stream_options::RecordingTarget;
-use super::viewer::{ViewerLink, ViewerState};
+use super::viewer::{ViewerChoice, ViewerLink, ViewerState};
 
 /// Recordings of this name share their blueprints.
 pub const APPLICATION_ID: &str = "scanbench";
@@ -133,13 +133,7 @@ impl Layers {
     ///
     /// [`StreamError::Write`] if something could not be written.
     pub fn flush(&self) -> Result<(), StreamError> {
-        for Layer { recording, file, path } in &self.files {
-            // The file knows better than the flush why it failed.
-            let flushed = recording.flush_blocking();
-            file.check()?;
-            flushed.map_err(|error| StreamError::Write { path: path.clone(), reason: error.to_string() })?;
-        }
-        Ok(())
+        self.files.iter().try_for_each(Layer::flush)
     }
 
     /// Writes the ends of the files, and returns their size in bytes.
@@ -156,6 +150,37 @@ impl Layers {
             n_bytes += metadata.len();
         }
         Ok(n_bytes)
+    }
+}
+
+/// A layer that joins a recording which is finished.
+pub struct OneLayer(Layer);
+
+impl OneLayer {
+    /// Begins the layer `file` of the recording in `folder`.
+    ///
+    /// # Errors
+    ///
+    /// [`StreamError`] if that has no layers, or this one cannot be written.
+    pub fn join(folder: &Path, file: &str) -> Result<Self, StreamError> {
+        let KeptLayout { store, .. } = KeptLayout::read(&folder.join(LAYOUT_RRD))?;
+        let (path, viewer) = (folder.join(file), ViewerLink::open(&ViewerChoice::None)?);
+        Layer::begin(&store, None, (RecordingFile::create(&path)?, &path), &viewer).map(Self)
+    }
+
+    /// Where it is logged.
+    pub fn recording(&self) -> &RecordingStream {
+        &self.0.recording
+    }
+
+    /// Writes its end.
+    ///
+    /// # Errors
+    ///
+    /// [`StreamError::Write`] if it is not complete.
+    pub fn finish(self) -> Result<(), StreamError> {
+        self.0.flush()?;
+        self.0.file.finish()
     }
 }
 
@@ -181,6 +206,13 @@ impl Layer {
         recording.set_log_tick_enabled(false);
         recording.set_log_time_enabled(false);
         Ok(Self { recording, file, path: path.to_owned() })
+    }
+
+    fn flush(&self) -> Result<(), StreamError> {
+        // The file knows better than the flush why it failed.
+        let flushed = self.recording.flush_blocking();
+        self.file.check()?;
+        flushed.map_err(|error| StreamError::Write { path: self.path.clone(), reason: error.to_string() })
     }
 }
 

@@ -6,7 +6,7 @@ use nalgebra::Isometry3;
 use re_sdk_types::archetypes::{Arrows3D, Clear, LineStrips3D, Transform3D};
 use re_sdk_types::components::Radius;
 use re_sdk_types::datatypes::Quaternion;
-use rerun::RecordingStream;
+use rerun::{EntityPath, RecordingStream};
 use scans::annotation::Annotation;
 
 use crate::drawn_points::DrawnPoints;
@@ -52,15 +52,23 @@ pub fn log_scan(
         n_drawn if n_drawn == cloud.len() => format!("{n_drawn} points"),
         n_drawn => format!("{n_drawn} of {} points drawn", cloud.len()),
     };
-    log_marks(stream, view.marks)?;
+    // A recording without any mark does not have the entity.
+    if !view.marks.is_empty() {
+        log_marks(stream, entity_paths::MARKS, view.marks)?;
+    }
     log_title(stream, format!("{}\n{n_points}, {} annotations", scan.id, scan.annotations.len()))
 }
 
-/// Logs a pointer from above at each mark. A recording without any mark does not have the entity.
-fn log_marks(stream: &RecordingStream, marks: &[Mark]) -> Result<(), StreamError> {
-    if marks.is_empty() {
-        return Ok(());
-    }
+/// Logs a pointer from above at each mark.
+///
+/// # Errors
+///
+/// [`StreamError::Log`] if Rerun refuses.
+pub fn log_marks(
+    stream: &RecordingStream,
+    path: impl Into<EntityPath>,
+    marks: &[Mark],
+) -> Result<(), StreamError> {
     let tops_m = marks.iter().map(|it| [it.position_m[0], it.position_m[1], MARK_TOP_M]);
     let pointers = Arrows3D::from_vectors(marks.iter().map(|_| [0.0, 0.0, -MARK_LENGTH_M]))
         .with_origins(tops_m)
@@ -72,7 +80,7 @@ fn log_marks(stream: &RecordingStream, marks: &[Mark]) -> Result<(), StreamError
         )
         .with_labels(marks.iter().map(|it| it.text.as_str()))
         .with_show_labels(true);
-    recording::log(stream, entity_paths::MARKS, &pointers)
+    recording::log(stream, path, &pointers)
 }
 
 /// Writes `title` where the scan is named.

@@ -26,7 +26,8 @@ use crate::rows::scan_name::ScanName;
 use crate::rows::scan_row::ScanRow;
 use crate::run_folder::manifest::{DatasetEntry, Manifest};
 use crate::run_folder::run_directory::{
-    MATCHES_CSV, RECORDING, RECORDINGS_JSON, REPORT_JSON, SCANS_CSV, WORST_POINTS_JSON,
+    MATCHES_CSV, RECORDING, RECORDINGS_JSON, REPORT_JSON, SCANS_CSV, VIEWER, VIEWER_PLACES_JSON,
+    WORST_POINTS_JSON,
 };
 use crate::run_folder::run_target::MANIFEST_JSON;
 use crate::tables::class_table::{ClassTable, class_tables};
@@ -42,9 +43,9 @@ use crate::vocabulary::formula::Term;
 use crate::vocabulary::metric::Metric;
 use crate::vocabulary::slice::Slice;
 use crate::vocabulary::task::Task;
-use crate::worst::objects::WorstObjects;
+use crate::worst::objects::{MistakeList, ObjectName, WorstObject, WorstObjects};
 use crate::worst::points::WorstPoints;
-use crate::worst::recorded::Recordings;
+use crate::worst::recorded::{RecordedObject, Recordings};
 
 /// Parts of a run beside its rows and numbers.
 #[derive(Debug, Default)]
@@ -59,6 +60,8 @@ pub struct BesideRows {
     pub agreement: Vec<AgreementRow>,
     /// Whether there is a recording for the viewer.
     pub has_recording: bool,
+    /// Where the viewer of the page shows the worst mistakes, if there is one.
+    pub in_viewer: Option<Recordings>,
 }
 
 /// Error of a directory that holds no readable run.
@@ -114,6 +117,8 @@ pub struct RunFacts {
     pub(crate) agreement: Vec<AgreementRow>,
     /// Whether there is a recording for the viewer.
     pub(crate) has_recording: bool,
+    /// Where the viewer of the page shows the worst mistakes, if there is one.
+    pub(crate) in_viewer: Option<Recordings>,
 }
 
 /// Facts about all data sets of one origin together.
@@ -185,6 +190,7 @@ impl RunFacts {
             protocols: protocols_of(directory, &manifest)?,
             agreement: agreement_of(directory)?,
             has_recording: directory.join(RECORDING).is_dir(),
+            in_viewer: Recordings::read(&directory.join(VIEWER).join(VIEWER_PLACES_JSON))?,
         };
         let draws = gathered.tally.draw();
         Ok(Self::of(gathered, beside, manifest, report, &draws)?)
@@ -213,7 +219,7 @@ impl RunFacts {
         };
         let failures = detectors.iter().filter_map(failed_detector).collect();
         let of_pool = |(pool, times_ms)| PoolFacts::of(pool, times_ms, &tally, draws, &report);
-        let BesideRows { points, recordings, protocols, agreement, has_recording } = beside;
+        let BesideRows { points, recordings, protocols, agreement, has_recording, in_viewer } = beside;
         Ok(Self {
             tables: task_tables(&report, &manifest)?,
             rankings: scored(rankings(&tally, draws, &manifest, &report), &agreement),
@@ -232,11 +238,22 @@ impl RunFacts {
             confusion,
             agreement,
             has_recording,
+            in_viewer,
             worst,
             tally,
             manifest,
             report,
         })
+    }
+
+    /// The worst mistakes, and the best matches, with their lists.
+    pub fn worst(&self) -> impl Iterator<Item = (&MistakeList, &WorstObject<Surroundings>)> {
+        self.worst.lists().flat_map(|(list, objects)| objects.iter().map(move |it| (list, it)))
+    }
+
+    /// Where one of these is recorded, if the run was made in parts.
+    pub fn recorded(&self, object: &ObjectName) -> Option<&RecordedObject> {
+        self.recordings.as_ref()?.of(object)
     }
 
     /// Whether any data set has labels.

@@ -8,10 +8,12 @@ use crate::facts::gathered_run::Surroundings;
 use crate::facts::run_facts::RunFacts;
 use crate::facts::seen_boxes::{SeenBox, scan_name};
 use crate::plots::scene_plot::{Scene, SceneDetection, scene_keys, scene_plot};
+use crate::run_folder::run_directory::VIEWER;
 use crate::vocabulary::reason::MistakeKind;
 use crate::vocabulary::task::Task;
 use crate::worst::mistakes::scan_address;
 use crate::worst::objects::{MistakeList, WorstObject};
+use crate::worst::recorded::RecordedObject;
 
 /// The section of worst mistakes; `None` if there are none with a position, and no matches.
 pub(super) fn worst(facts: &RunFacts) -> Option<Section> {
@@ -104,6 +106,9 @@ fn scene(
                 strong { (word) " " (worst.class) } ": " (worst.reason) br;
                 (worst.n_points) " points, " (format!("{range_m:.1}")) " m away" br;
                 span.where { code { (scan_address(&object.dataset, &object.sequence, object.scan)) } @if is_simulated { " (simulated)" } }
+                @if let Some(RecordedObject { recording, step, .. }) = facts.in_viewer.as_ref().and_then(|it| it.of(object)) {
+                    br; a href=(format!("{VIEWER}/index.html#recording={recording}&scan={step}")) target="scanbench-viewer" { "show it in the viewer" }
+                }
                 @if let Some(recorded) = facts.recordings.as_ref().and_then(|it| it.of(object)) {
                     br; "recorded in " a href=(recorded.recording) { (recorded.recording) } ", at scan " (recorded.step)
                 }

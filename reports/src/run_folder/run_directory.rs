@@ -32,6 +32,10 @@ pub const CONFUSION_CSV: &str = "confusion.csv";
 pub const AGREEMENT_CSV: &str = "agreement.csv";
 /// Folder of the recording for Rerun: a file for the scans, one for each detector, and one for the layout of the viewer.
 pub const RECORDING: &str = "recording";
+/// Folder of the web viewer of the page.
+pub const VIEWER: &str = "viewer";
+/// Where the worst mistakes are recorded, in [`VIEWER`].
+pub const VIEWER_PLACES_JSON: &str = "places.json";
 /// Where the scans of the worst mistakes are recorded, of a run that was made in parts.
 pub const RECORDINGS_JSON: &str = "recordings.json";
 /// Times of a run that was made in parts on unlike processors, for each processor by itself.

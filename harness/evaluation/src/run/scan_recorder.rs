@@ -1,5 +1,6 @@
 //! Recorders of a run, scan by scan, and their input.
 
+use std::collections::BTreeMap;
 use std::fmt;
 
 use detector::DetectorOutput;
@@ -27,6 +28,9 @@ pub struct Mark {
     /// The kind of change that it points at, if it is one.
     pub change: Option<ChangeKind>,
 }
+
+/// What is pointed at in a recording: by detector, and by number of the scan.
+pub type MarksByScan = BTreeMap<String, BTreeMap<i64, Vec<Mark>>>;
 
 /// A scan with the results of two runs, as their rows say: nothing is detected or matched again.
 pub struct ChangedScan<'a> {

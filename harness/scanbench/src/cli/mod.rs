@@ -19,7 +19,7 @@ mod reproduce;
 mod data_convert;
 mod data_objects;
 mod partial;
-mod data_prelabel;
+pub mod data_prelabel;
 mod data_check;
 mod data_get;
 mod sweep;

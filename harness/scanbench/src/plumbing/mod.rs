@@ -2,6 +2,7 @@
 
 pub mod failure;
 pub mod second_names;
+pub mod scans_in_order;
 pub mod closed_streams;
 pub mod standard_streams;
 pub mod progress;

@@ -24,6 +24,7 @@ pub mod reproduce;
 pub mod merge;
 pub mod worst_scans;
 pub mod changed_scans;
+pub mod suspect_project;
 pub mod suspects;
 pub mod view;
 pub mod history;

@@ -11,11 +11,13 @@ use reports::files::whole_set::WholeSet;
 use reports::worst::suspects::{suspects as suspects_of, suspects_to_terminal};
 
 use crate::cli::StreamArgs;
-use crate::cli::help_text::{DATA, DETECTORS, MISTAKES};
+use crate::cli::data_prelabel::ToolName;
+use crate::cli::help_text::{DATA, DETECTORS, MISTAKES, OUTPUT};
 use crate::plumbing::failure::{Failure, NothingEvaluated, Usage};
 use crate::plumbing::open_run::{open_run, refuse_unknown};
 use crate::plumbing::standard_streams::{print_diagnostic, print_text};
 use crate::verbs::changed_scans::{PointedScan, TwoSides, record_sides, rows_by_scan};
+use crate::verbs::suspect_project::write_project;
 use crate::verbs::worst_scans::task_named;
 
 /// Arguments of `scanbench suspects`.
@@ -38,6 +40,12 @@ pub struct SuspectsArgs {
     #[arg(long, value_name = "N", default_value_t = 20, value_parser = clap::value_parser!(u32).range(1..=100_000))]
     #[arg(help_heading = MISTAKES)]
     pub most: u32,
+    /// Write the listed ones as a project of this annotation tool, too, into the folder of -o
+    #[arg(long, value_enum, value_name = "TOOL", requires = "output", help_heading = OUTPUT)]
+    pub to: Option<ToolName>,
+    /// Folder of the project
+    #[arg(short, long, value_name = "DIR", requires = "to", help_heading = OUTPUT)]
+    pub output: Option<PathBuf>,
     /// What is streamed to Rerun.
     #[command(flatten)]
     pub stream: StreamArgs,
@@ -47,11 +55,13 @@ const SUSPECTS_EXAMPLES: &str = "\
 Examples:
   scanbench suspects runs/latest -d hierarchical,kd-tree-tree
   scanbench suspects runs/latest -d net-a,net-b --task vehicles --most 50
+  scanbench suspects runs/mine --most 100 --to labelcloud -o doubtful
 
 Ranks labels by how unusual it is that all detectors contradict them: none finds the
 object, all find it elsewhere, longer, turned or of another class, or all find something
 where nothing is labelled. Writes suspects.csv and suspects.rrd, which shows the first two
-of the detectors, into the run directory.
+of the detectors, into the run directory. With --to, writes their scans for an annotation
+tool: with all labels, and a box where one may be missing.
 It is agreement of detectors and no truth: look before you change a label.";
 
 /// Lists suspect labels, writes them, and records their scans.
@@ -80,6 +90,9 @@ pub fn suspects(arguments: &SuspectsArgs) -> Result<(), Failure> {
     let listed = &all[..all.len().min(arguments.most as usize)];
     print_text(&suspects_to_terminal(listed, all.len()))?;
     print_diagnostic(format_args!("Suspects: {}", arguments.run.join("suspects.csv").display()));
+    if let (Some(tool), Some(output)) = (arguments.to, &arguments.output) {
+        write_project(&run.manifest, arguments.trust, listed, (tool.format(), output))?;
+    }
     let mut scans: Vec<PointedScan<'_>> = Vec::new();
     for (rank, it) in (1..).zip(listed) {
         let mark = it.position_m().map(|position_m| Mark {

@@ -22,6 +22,8 @@ mod experiments;
 mod layers;
 mod run_directory;
 mod added;
+#[cfg(target_os = "linux")]
+mod served_page;
 mod seeds;
 #[cfg(target_os = "linux")]
 mod signals;

@@ -1,5 +1,7 @@
 //! `scanbench view`.
 
+use std::collections::BTreeSet;
+
 use crate::program::{Prepared, Workplace};
 
 fn small_run() -> Workplace {
@@ -175,6 +177,20 @@ fn labels_that_all_detectors_contradict_are_listed_with_what_is_wrong() {
     ]);
     if cfg!(feature = "viewer") {
         assert!(workplace.path("run/suspects.rrd").metadata().expect("it is there").len() > 50_000);
+    }
+    for (tool, file) in [("kitti", "label_2/"), ("labelcloud", "labels/"), ("sustechpoints", "label/")] {
+        let project = format!("suspects run -d net-a,net-b --task vehicles --no-rrd --to {tool} -o {tool}");
+        workplace.succeed(&project).check_stderr(&["2 suspects in 2 scans"]);
+        let rows = workplace.table(&format!("{tool}/suspects.csv"));
+        let kinds: BTreeSet<&str> = rows.iter().map(|it| it["kind"].as_str()).collect();
+        assert_eq!(kinds, ["not-labelled", "size"].into());
+        for row in &rows {
+            assert!(row["file"].starts_with(file) && workplace.path(tool).join(&row["file"]).is_file());
+        }
+        // What nobody has labelled is a proposal.
+        assert_eq!(workplace.read(&format!("{tool}/proposals.csv")).lines().count(), 2);
+        workplace.succeed(&format!("data check {tool}"));
+        workplace.end_with(&project, 2, &[tool]);
     }
     workplace.refuse("suspects run -d net-a,net-a", 2, &["name two or more with -d"]);
     workplace.refuse("suspects run -d net-a,nett", 2, &["the run has no detector \"nett\""]);

@@ -1,5 +1,6 @@
-//! Scans with the boxes of a detector, as the projects of annotation tools, whose corrected files are read as ground truth.
+//! Scans with boxes to be corrected, as the projects of annotation tools, whose corrected files are read as ground truth.
 
+use std::collections::BTreeSet;
 use std::fmt::Write as _;
 use std::path::Path;
 
@@ -10,7 +11,7 @@ use serde::Serialize;
 use serde_json::json;
 
 use super::ConversionError;
-use super::kitti_label_line::{CALIBRATION, label_line};
+use super::kitti_label_line::{CALIBRATION, class_word, label_line};
 use super::kitti_writer::{bin_bytes, bin_file};
 use super::whole_folder::WholeFolder;
 use crate::annotation::{Annotation, LabeledScan};
@@ -33,16 +34,36 @@ named! {
     }
 }
 
-/// The class of every vehicle: detectors do not distinguish cars from vans.
-const CLASS: &str = "Car";
-
-/// A vehicle that a detector proposes.
+/// A box of a project.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Proposal {
-    /// Its box, in the frame of the sensor.
+pub struct ProjectBox {
+    /// Its class.
+    pub class: AnnotationClass,
+    /// The box, in the frame of the sensor.
     pub bounding_box: OrientedBox,
-    /// How sure the detector is.
-    pub score: Option<f32>,
+    /// Where it comes from.
+    pub origin: BoxOrigin,
+}
+
+/// Where a box of a project comes from.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum BoxOrigin {
+    /// Somebody has labelled it.
+    Labelled,
+    /// A detector proposes it.
+    Proposed {
+        /// How sure the detector is.
+        score: Option<f32>,
+    },
+}
+
+impl ProjectBox {
+    fn score(&self) -> Option<f32> {
+        match self.origin {
+            BoxOrigin::Labelled => None,
+            BoxOrigin::Proposed { score } => score,
+        }
+    }
 }
 
 /// A project that is being written.
@@ -52,6 +73,7 @@ pub struct ProposalWriter {
     folder: WholeFolder,
     sheet: DataSheet,
     proposed: ProposalList,
+    classes: BTreeSet<&'static str>,
     n_written: u32,
 }
 
@@ -63,47 +85,61 @@ impl ProposalWriter {
         let annotated_classes = crate::dataset::AnnotatedClasses::Only(AnnotationClass::ALL.to_vec());
         let sheet = DataSheet { annotated_classes, ..sheet };
         let (folder, proposed) = (WholeFolder::create(path)?, ProposalList::default());
-        Ok(Self { format, folder, sheet, proposed, n_written: 0 })
+        Ok(Self { format, folder, sheet, proposed, classes: BTreeSet::new(), n_written: 0 })
     }
 
-    /// Appends a scan with its proposals.
-    pub fn write(&mut self, scan: &LabeledScan, proposals: &[Proposal]) -> Result<(), ConversionError> {
+    /// Appends a scan with its boxes, and returns the name of the file that these are in.
+    pub fn write(&mut self, scan: &LabeledScan, boxes: &[ProjectBox]) -> Result<String, ConversionError> {
         let name = match self.format {
             ProposalFormat::Kitti => format!("{:06}", self.n_written),
             _ => format!("{}-{:06}", folder_name(&scan.id.sequence), scan.id.index),
         };
         self.n_written += 1;
-        for it in proposals {
-            self.proposed.add(&it.bounding_box);
+        for it in boxes {
+            self.classes.insert(class_word(it.class));
+            if it.origin != BoxOrigin::Labelled {
+                self.proposed.add(&it.bounding_box);
+            }
         }
         let folder = &self.folder;
+        let labels = match self.format {
+            ProposalFormat::Kitti => format!("label_2/{name}.txt"),
+            ProposalFormat::Labelcloud => format!("labels/{name}.json"),
+            ProposalFormat::Sustechpoints => format!("label/{name}.json"),
+        };
         match self.format {
             ProposalFormat::Kitti => {
                 folder.write(&format!("velodyne/{name}.bin"), &bin_file(scan)?)?;
-                folder.write(&format!("label_2/{name}.txt"), kitti_labels(proposals).as_bytes())?;
-                folder.write(&format!("calib/{name}.txt"), CALIBRATION.as_bytes())
+                folder.write(&labels, kitti_labels(boxes).as_bytes())?;
+                folder.write(&format!("calib/{name}.txt"), CALIBRATION.as_bytes())?;
             }
             ProposalFormat::Labelcloud => {
                 let filename = format!("{name}.bin");
                 folder.write(&format!("pointclouds/{filename}"), &bin_file(scan)?)?;
-                let objects = proposals.iter().map(|it| LabelCloudObject::new(&listed(it, None), it.score));
+                let objects = boxes.iter().map(|it| LabelCloudObject::new(&listed(it, None), it.score()));
                 let file = LabelCloudFile {
                     folder: "pointclouds".to_owned(),
                     path: format!("pointclouds/{filename}"),
                     filename,
                     objects: objects.collect(),
                 };
-                folder.write(&format!("labels/{name}.json"), &json_bytes(&file))
+                folder.write(&labels, &json_bytes(&file))?;
             }
             ProposalFormat::Sustechpoints => {
                 folder.write(&format!("lidar/{name}.pcd"), &pcd_bytes(&scan.cloud))?;
-                let objects = (1..).zip(proposals);
+                let objects = (1..).zip(boxes);
                 let objects: Vec<SustechObject> = objects
-                    .map(|(track, it)| SustechObject::new(&listed(it, Some(track)), it.score))
+                    .map(|(track, it)| SustechObject::new(&listed(it, Some(track)), it.score()))
                     .collect();
-                folder.write(&format!("label/{name}.json"), &json_bytes(&objects))
+                folder.write(&labels, &json_bytes(&objects))?;
             }
         }
+        Ok(labels)
+    }
+
+    /// Adds the file `name` beside the data sheet.
+    pub fn add(&self, name: &str, content: &[u8]) -> Result<(), ConversionError> {
+        self.folder.write(name, content)
     }
 
     /// Ends the project, which appears under its name now.
@@ -112,8 +148,9 @@ impl ProposalWriter {
         self.folder.write(PROPOSALS_CSV, self.proposed.to_csv().as_bytes())?;
         if self.format == ProposalFormat::Labelcloud {
             // Without this file, the tool asks for the classes.
+            let class = |(id, name)| json!({"name": name, "id": id, "color": COLORS[id % COLORS.len()]});
             let classes = json!({
-                "classes": [{"name": CLASS, "id": 0, "color": "#56b4e9"}],
+                "classes": self.classes.iter().enumerate().map(class).collect::<Vec<_>>(),
                 "default": 0,
                 "type": "object_detection",
                 "format": "centroid_rel",
@@ -125,19 +162,21 @@ impl ProposalWriter {
     }
 }
 
-fn listed(proposal: &Proposal, track: Option<u32>) -> ListedBox {
-    let OrientedBox { center_m, length_width_height_m, yaw_rad } = proposal.bounding_box;
-    let class = CLASS.to_owned();
+/// Colours of classes in labelCloud, in turn.
+const COLORS: [&str; 6] = ["#56b4e9", "#e69f00", "#009e73", "#cc79a7", "#f0e442", "#d55e00"];
+
+fn listed(it: &ProjectBox, track: Option<u32>) -> ListedBox {
+    let OrientedBox { center_m, length_width_height_m, yaw_rad } = it.bounding_box;
+    let class = class_word(it.class).to_owned();
     ListedBox { class, center_m: center_m.map(f64::from), length_width_height_m, yaw_rad, track }
 }
 
-/// A line for each proposal, with the score at the end as in results of the benchmark.
-fn kitti_labels(proposals: &[Proposal]) -> String {
+/// A line for each box, with the score at the end as in results of the benchmark.
+fn kitti_labels(boxes: &[ProjectBox]) -> String {
     let mut labels = String::new();
-    for Proposal { bounding_box, score } in proposals {
-        let annotation = Annotation::of(AnnotationClass::Car);
-        let line = label_line(&annotation, bounding_box, "-1");
-        let score = score.map(|it| format!(" {it}")).unwrap_or_default();
+    for it in boxes {
+        let line = label_line(&Annotation::of(it.class), &it.bounding_box, "-1");
+        let score = it.score().map(|it| format!(" {it}")).unwrap_or_default();
         writeln!(labels, "{line}{score}").expect("a string takes all that is written");
     }
     labels

@@ -3,14 +3,14 @@
 use std::path::Path;
 
 use evaluation::partial::growth::Growth;
-use evaluation::run::scan_recorder::{ChangedScan, RecordedScan, RecordingEnding, ScanRecorder};
+use evaluation::run::scan_recorder::{ChangedScan, MarksByScan, RecordedScan, RecordingEnding, ScanRecorder};
 use evaluation::sweep::quality_pass::SweptDataset;
 use evaluation::sweep::sweep_plan::SweepPlan;
 use reports::numbers::sweep_score::SweepScores;
 use reports::run_folder::run_directory::RunDirectory;
 use viewer::run_recording::{RecordingError, RecordingPath, RunRecording, RunRecordingOptions};
 use viewer::{
-    FirstTab, Opening, PointChoice, StreamError, StreamOptions, ViewerChoice, partial_recording,
+    FirstTab, Opening, PointChoice, StreamError, StreamOptions, ViewerChoice, marks_layer, partial_recording,
     sweep_recording,
 };
 
@@ -115,6 +115,11 @@ pub fn records_growths(arguments: &PartialArgs) -> bool {
 /// Records objects that grow to the file at `path`.
 pub fn record_growths(path: &Path, name: &str, growths: &[Growth]) -> Result<(), Failure> {
     Ok(partial_recording::record_growths(path, name, growths)?)
+}
+
+/// Writes a layer with pointers at `marks` into the recording in `folder`.
+pub fn record_marks(folder: &Path, marks: &MarksByScan) -> Result<(), Failure> {
+    Ok(marks_layer::write_marks(folder, marks)?)
 }
 
 /// The version of Rerun that recordings are made with.

@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use evaluation::partial::growth::Growth;
-use evaluation::run::scan_recorder::{ChangedScan, RecordedScan, RecordingEnding, ScanRecorder};
+use evaluation::run::scan_recorder::{ChangedScan, MarksByScan, RecordedScan, RecordingEnding, ScanRecorder};
 use evaluation::sweep::quality_pass::SweptDataset;
 use evaluation::sweep::sweep_plan::SweepPlan;
 use reports::numbers::sweep_score::SweepScores;
@@ -73,6 +73,11 @@ pub fn records_growths(_: &PartialArgs) -> bool {
 #[allow(clippy::unnecessary_wraps, reason = "with the viewer there are errors")]
 pub fn record_growths(_: &Path, _: &str, _: &[Growth]) -> Result<(), Failure> {
     Ok(())
+}
+
+/// Refuses.
+pub fn record_marks(_: &Path, _: &MarksByScan) -> Result<(), Failure> {
+    Err(Usage("--with-viewer needs Rerun, but this program was built without it".to_owned()).into())
 }
 
 /// None: no recordings are made.

@@ -105,7 +105,14 @@ impl WholeRun {
         let draws = gathered.tally.draw();
         let report = gathered.tally.report(manifest.scoring_version, &draws)?;
         let has_recording = directory.path_of(RECORDING).is_dir();
-        let beside = BesideRows { points: Some(points), recordings, protocols, agreement, has_recording };
+        let beside = BesideRows {
+            points: Some(points),
+            recordings,
+            protocols,
+            agreement,
+            has_recording,
+            in_viewer: None,
+        };
         let facts = RunFacts::of(gathered, beside, manifest, report, &draws)?;
         write_facts(directory, &facts)?;
         write_times_of_processors(directory, &facts.manifest, &of_processors)?;

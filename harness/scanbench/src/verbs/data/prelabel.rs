@@ -3,12 +3,13 @@
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicBool, Ordering};
 
-use detector::{DetectedClass, DetectorOutput};
+use detector::{DetectedClass, Detection, DetectorOutput};
 use evaluation::run::config::RunConfig;
 use evaluation::run::detector_list::ListedDetector;
 use evaluation::run::side_by_side::RunError;
+use reports::vocabulary::class::AnnotationClass;
 use scans::conversion::convert::sheet_of;
-use scans::conversion::proposal_writer::{Proposal, ProposalWriter};
+use scans::conversion::proposal_writer::{BoxOrigin, ProjectBox, ProposalWriter};
 use scans::dataset::folder_name::folder_name;
 
 use crate::cli::PrelabelArgs;
@@ -79,10 +80,13 @@ fn prelabel(
             (_, None) => true,
         };
         let vehicles = output.detections.iter().filter(|it| it.class == DetectedClass::Vehicle);
-        let proposals: Vec<Proposal> = vehicles
-            .filter(|it| is_sure(it.score))
-            .map(|it| Proposal { bounding_box: it.bounding_box, score: it.score })
-            .collect();
+        // Detectors of ours do not distinguish cars from vans.
+        let proposal = |it: Detection<'_>| ProjectBox {
+            class: AnnotationClass::Car,
+            bounding_box: it.bounding_box,
+            origin: BoxOrigin::Proposed { score: it.score },
+        };
+        let proposals: Vec<ProjectBox> = vehicles.filter(|it| is_sure(it.score)).map(proposal).collect();
         writer.write(&scan, &proposals)?;
         n_done += 1;
         n_proposals += proposals.len();

@@ -29,6 +29,7 @@ use reports::worst::points::{Patch, WorstPoints};
 use crate::cli::{OutputArgs, RunArgs};
 use crate::plumbing::failure::{Failure, Usage};
 use crate::plumbing::open_run::open_run;
+use crate::plumbing::scans_in_order::{ScanKey, scans_in_order};
 use crate::plumbing::second_names::keep;
 use crate::plumbing::shards::run_event::{RunEvent, ScanEvent};
 use crate::plumbing::shards::run_rows::RunRows;
@@ -144,18 +145,12 @@ fn joined(mut before: Manifest, after: Manifest) -> Manifest {
 }
 
 /// Rows of a file by the scan that they are of, in order.
-type ByScan<Row> = BTreeMap<(String, String, u32), Vec<Row>>;
+type ByScan<Row> = BTreeMap<ScanKey, Vec<Row>>;
 
 /// The scans of both runs, each with the rows of the first and then those of the second.
 fn events(runs: [&Path; 2], manifest: &Manifest) -> Result<Vec<RunEvent>, ArchiveError> {
     let scans: Vec<ScanRow> = read_rows(&runs[0].join(SCANS_CSV))?;
-    let mut order: Vec<(String, String, u32)> = Vec::new();
-    for row in &scans {
-        let key = (row.dataset.clone(), row.sequence.clone(), row.scan);
-        if order.last() != Some(&key) {
-            order.push(key);
-        }
-    }
+    let order = scans_in_order(&scans);
     let mut scans = by_scan::<ScanRow>(runs, SCANS_CSV, |it| (&it.dataset, &it.sequence, it.scan))?;
     let mut matches = by_scan(runs, MATCHES_CSV, |it: &MatchRow| (&it.dataset, &it.sequence, it.scan))?;
     let mut stages = by_scan(runs, STAGES_CSV, |it: &StageRow| (&it.dataset, &it.sequence, it.scan))?;
@@ -173,7 +168,7 @@ fn events(runs: [&Path; 2], manifest: &Manifest) -> Result<Vec<RunEvent>, Archiv
         let points = WorstPoints::read(&run.join(WORST_POINTS_JSON))?;
         patches.extend(points.into_iter().flat_map(|it| it.patches));
     }
-    let event = |(number, key): (u64, (String, String, u32))| {
+    let event = |(number, key): (u64, ScanKey)| {
         let is_of_scan = |it: &&Patch| {
             (&it.object.dataset, &it.object.sequence, it.object.scan) == (&key.0, &key.1, key.2)
         };

@@ -9,6 +9,7 @@ use detector::stage_product::Shape;
 use detector::surface_class::SurfaceClass;
 use detector::{PointCloud, StageProduct};
 use evaluation::matching::outcome::Assignment;
+use evaluation::run::scan_recorder::Mark;
 use reports::vocabulary::task::Task;
 use rerun::ComponentIdentifier;
 use rerun::external::arrow::array::{Array as _, AsArray as _};
@@ -20,6 +21,7 @@ use self::drawn_recording::{
     open_file, options, products, record, record_to, scan, surfaces,
 };
 use super::*;
+use crate::marks_layer::write_marks;
 use crate::recording_layout::KeptLayout;
 use crate::{ViewerChoice, entity_paths, legend, palette};
 
@@ -353,4 +355,20 @@ fn stores(folder: &Path) -> BTreeSet<String> {
     let entries = std::fs::read_dir(folder).unwrap();
     let all = entries.flat_map(|it| messages(&it.unwrap().path()));
     all.filter(|it| it.store_id().is_recording()).map(|it| format!("{:?}", it.store_id())).collect()
+}
+
+#[test]
+fn pointers_join_a_recording_for_the_scans_that_have_some() {
+    let folder = tempfile::tempdir().unwrap();
+    let layers = folder.path().join("recording");
+    record_to(&layers_in(&layers, None), &["grid"], 4);
+    let mark = |text: &str| Mark { position_m: [1.0, 2.0], text: text.to_owned(), change: None };
+    let of_scans =
+        BTreeMap::from([(0, vec![mark("a"), mark("b")]), (1, vec![mark("c")]), (3, vec![mark("d")])]);
+    write_marks(&layers, &BTreeMap::from([("grid".to_owned(), of_scans)])).unwrap();
+    let n_logged = n_logged(&layers.join("marks.rrd"));
+    assert_eq!(n_logged["/world/sensor/detectors/grid/marks Arrows3D:labels"], 3);
+    // After the second and after the last.
+    assert_eq!(n_logged["/world/sensor/detectors/grid/marks Clear:is_recursive"], 2);
+    assert_eq!(stores(&layers).len(), 1);
 }
