@@ -79,7 +79,10 @@ impl Layers {
         let joined = joins.map(|it| KeptLayout::read(&it.join(LAYOUT_RRD))).transpose()?;
         let has_scans = joined.is_some();
         let (store, joined) = joined.map_or_else(|| (new_id(), Vec::new()), |it| (it.store, it.detectors));
-        make_folder(folder.parent().unwrap_or(Path::new(".")), folder.file_name().unwrap_or_default())
+        let parent = folder.parent().unwrap_or(Path::new("."));
+        make_folder(parent, folder.file_name().unwrap_or_default())
+            .map(|_| ())
+            .and_then(|()| remove_layers(folder))
             .map_err(|source| StreamError::Create { path: folder.to_owned(), source })?;
         let mut files = Vec::new();
         let mut layer = |name: Option<&str>, file: &str| -> Result<RecordingStream, StreamError> {
@@ -157,15 +160,15 @@ impl Layers {
 pub struct OneLayer(Layer);
 
 impl OneLayer {
-    /// Begins the layer `file` of the recording in `folder`.
+    /// Begins a layer of the recording in `folder`, in the file at `path`.
     ///
     /// # Errors
     ///
     /// [`StreamError`] if that has no layers, or this one cannot be written.
-    pub fn join(folder: &Path, file: &str) -> Result<Self, StreamError> {
+    pub fn join(folder: &Path, path: &Path) -> Result<Self, StreamError> {
         let KeptLayout { store, .. } = KeptLayout::read(&folder.join(LAYOUT_RRD))?;
-        let (path, viewer) = (folder.join(file), ViewerLink::open(&ViewerChoice::None)?);
-        Layer::begin(&store, None, (RecordingFile::create(&path)?, &path), &viewer).map(Self)
+        let viewer = ViewerLink::open(&ViewerChoice::None)?;
+        Layer::begin(&store, None, (RecordingFile::create(path)?, path), &viewer).map(Self)
     }
 
     /// Where it is logged.
@@ -214,6 +217,17 @@ impl Layer {
         self.file.check()?;
         flushed.map_err(|error| StreamError::Write { path: self.path.clone(), reason: error.to_string() })
     }
+}
+
+/// Removes the layers of an earlier recording, which was not finished: they would be drawn with the new ones.
+fn remove_layers(folder: &Path) -> std::io::Result<()> {
+    for entry in std::fs::read_dir(folder)? {
+        let path = entry?.path();
+        if path.extension().is_some_and(|it| it == "rrd") {
+            std::fs::remove_file(path)?;
+        }
+    }
+    Ok(())
 }
 
 fn new_id() -> StoreId {

@@ -2,12 +2,13 @@
 
 use std::path::Path;
 
-use evaluation::run::scan_recorder::MarksByScan;
+use evaluation::run::scan_recorder::MarksByDetector;
 use re_sdk_types::archetypes::Clear;
 
 use super::error::StreamError;
 use super::layers::OneLayer;
 use super::log_scan::log_marks;
+use super::run_recording::RecordingElsewhere;
 use super::{entity_paths, recording};
 
 /// Writes a layer with these pointers into the folder of a recording.
@@ -15,8 +16,11 @@ use super::{entity_paths, recording};
 /// # Errors
 ///
 /// [`StreamError`] if it has no layers, or cannot be written.
-pub fn write_marks(folder: &Path, marks: &MarksByScan) -> Result<(), StreamError> {
-    let layer = OneLayer::join(folder, "marks.rrd")?;
+pub fn write_marks(folder: &Path, marks: &MarksByDetector) -> Result<(), StreamError> {
+    let (_, Some(whole)) = RecordingElsewhere::begin(&folder.join("marks.rrd"), false)? else {
+        return Ok(());
+    };
+    let layer = OneLayer::join(folder, whole.path())?;
     for (detector, scans) in marks {
         let path = entity_paths::marks(detector);
         for (step, of_scan) in scans {
@@ -29,5 +33,6 @@ pub fn write_marks(folder: &Path, marks: &MarksByScan) -> Result<(), StreamError
             }
         }
     }
-    layer.finish()
+    layer.finish()?;
+    whole.finish()
 }

@@ -58,7 +58,12 @@ impl KeptLayout {
             if store.is_recording() && *chunk.entity_path() == EntityPath::properties().join(&PROPERTY.into())
             {
                 let text = TextDocument::descriptor_text().component;
-                let json = chunk.components().get_array(text).map(|it| it.value(0)).ok_or("it is empty");
+                let json = chunk
+                    .components()
+                    .get_array(text)
+                    .filter(|it| !it.is_empty())
+                    .map(|it| it.value(0))
+                    .ok_or("it is empty");
                 let json = json.map_err(|error| refused(&error))?;
                 let json = json.as_string_opt::<i32>().filter(|it| it.len() == 1).map(|it| it.value(0));
                 let detectors =

@@ -208,7 +208,7 @@ fn shown(result: &DetectorScan) -> impl Iterator<Item = &Assignment> {
 }
 
 /// A file that is not complete.
-struct RecordingElsewhere {
+pub(super) struct RecordingElsewhere {
     file: PathBuf,
     made: NamedTempFile,
     registered: Unfinished,
@@ -216,7 +216,10 @@ struct RecordingElsewhere {
 
 impl RecordingElsewhere {
     /// Where to write what will be at the path `asked`, and what makes it appear there: nothing of a device or a pipe.
-    fn begin(asked: &Path, is_named: bool) -> Result<(RecordingTarget, Option<Self>), StreamError> {
+    pub(super) fn begin(
+        asked: &Path,
+        is_named: bool,
+    ) -> Result<(RecordingTarget, Option<Self>), StreamError> {
         let create_error = |source| StreamError::Create { path: asked.to_owned(), source };
         let file = asked.canonicalize().ok().filter(|_| is_named).unwrap_or_else(|| asked.to_owned());
         let there = if is_named { file.metadata() } else { file.symlink_metadata() };
@@ -241,7 +244,12 @@ impl RecordingElsewhere {
         Ok((target, Some(Self { file, made, registered })))
     }
 
-    fn finish(self) -> Result<(), StreamError> {
+    /// Where it is written.
+    pub(super) fn path(&self) -> &Path {
+        self.made.path()
+    }
+
+    pub(super) fn finish(self) -> Result<(), StreamError> {
         let Self { file, made, registered } = self;
         let persisted = registered.undisturbed(|| made.persist(&file));
         persisted.map_err(|it| StreamError::Create { path: file, source: it.error })?;

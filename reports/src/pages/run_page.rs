@@ -83,6 +83,7 @@ mod tests {
     use crate::pages::sample_run::{SampleRun, USUAL};
     use crate::run_folder::run_directory::MATCHES_CSV;
     use crate::vocabulary::task::Task;
+    use crate::worst::recorded::{RecordedObject, Recordings};
 
     /// The page with blanks that may break.
     fn page(run: &SampleRun<'_>) -> RunPage {
@@ -281,6 +282,19 @@ mod tests {
         std::fs::create_dir(folder.path().join("recording")).unwrap();
         let html = page_in(folder.path()).html;
         check_holds(&html, &["href=\"recording\"", "rerun --web-viewer recording"]);
+    }
+
+    #[test]
+    fn mistakes_lead_to_their_places_in_the_viewer() {
+        let folder = USUAL.write();
+        assert!(!page_in(folder.path()).html.contains("show it in the viewer"));
+        let object = RunFacts::read(folder.path()).unwrap().worst().next().unwrap().1.object.clone();
+        let place = RecordedObject { object, recording: "recording-2".to_owned(), step: 7 };
+        let viewer = folder.path().join("viewer");
+        std::fs::create_dir(&viewer).unwrap();
+        std::fs::write(viewer.join("places.json"), Recordings::new(vec![place]).to_json()).unwrap();
+        let html = page_in(folder.path()).html;
+        check_holds(&html, &["href=\"viewer/index.html#recording=recording-2&amp;scan=7\""]);
     }
 
     #[test]

@@ -30,7 +30,7 @@ pub struct Mark {
 }
 
 /// What is pointed at in a recording: by detector, and by number of the scan.
-pub type MarksByScan = BTreeMap<String, BTreeMap<i64, Vec<Mark>>>;
+pub type MarksByDetector = BTreeMap<String, BTreeMap<i64, Vec<Mark>>>;
 
 /// A scan with the results of two runs, as their rows say: nothing is detected or matched again.
 pub struct ChangedScan<'a> {

@@ -11,7 +11,7 @@ use reports::rows::suspect_row::{SuspectBoxRow, SuspectRow};
 use reports::run_folder::manifest::Manifest;
 use reports::vocabulary::class::AnnotationClass;
 use reports::worst::mistakes::scan_address;
-use scans::annotation::LabeledScan;
+use scans::annotation::{Annotation, LabeledScan};
 use scans::conversion::convert::sheet_of;
 use scans::conversion::proposal_writer::{BoxOrigin, ProjectBox, ProposalFormat, ProposalWriter};
 
@@ -69,6 +69,12 @@ pub fn write_project(
     print_diagnostic(format_args!(
         "Project for {format}: {path}, {n_boxes} suspects in {n_scans} scans; its suspects.csv says which boxes they are"
     ));
+    if n_boxes < suspects.len() {
+        let n_without = suspects.len() - n_boxes;
+        print_diagnostic(format_args!(
+            "{n_without} suspects have no box to correct: their labels are points alone"
+        ));
+    }
     Ok(())
 }
 
@@ -102,8 +108,9 @@ fn boxes_of<'a>(
     suspects: &[(u32, &'a SuspectRow)],
 ) -> (Vec<ProjectBox>, Vec<(u32, u32, &'a SuspectRow)>) {
     let labelled = scan.annotations.iter().enumerate().filter_map(|(annotation_idx, it)| {
-        let (class, origin) = (it.class, BoxOrigin::Labelled);
-        Some((annotation_idx as u64, ProjectBox { class, bounding_box: it.bounding_box?, origin }))
+        let annotation = Annotation { point_indices: Vec::new(), ..it.clone() };
+        let (bounding_box, origin) = (it.bounding_box?, BoxOrigin::Labelled);
+        Some((annotation_idx as u64, ProjectBox { annotation, bounding_box, origin }))
     });
     let (ids, mut boxes): (Vec<u64>, Vec<ProjectBox>) = labelled.unzip();
     let mut of_file = Vec::new();
@@ -113,12 +120,12 @@ fn boxes_of<'a>(
             (None, Some(BoxFacts { center_m, length_width_height_m, yaw_rad })) => {
                 let bounding_box = OrientedBox { center_m, length_width_height_m, yaw_rad };
                 let origin = BoxOrigin::Proposed { score: None };
-                boxes.push(ProjectBox { class: class_of(&it.class), bounding_box, origin });
+                let annotation = Annotation::of(class_of(&it.class));
+                boxes.push(ProjectBox { annotation, bounding_box, origin });
                 Some(boxes.len() - 1)
             }
             (None, None) => None,
         };
-        // Labels of points alone have no box to correct.
         of_file.extend(place.map(|place| (*rank, place as u32 + 1, *it)));
     }
     (boxes, of_file)

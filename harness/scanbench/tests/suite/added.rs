@@ -71,3 +71,52 @@ fn what_was_judged_otherwise_is_not_added() {
     );
     assert_eq!(workplace.read("part/manifest.json"), before);
 }
+
+#[cfg(feature = "viewer")]
+#[test]
+fn a_detector_that_is_added_joins_the_recording() {
+    let workplace = Workplace::with_drive(2);
+    workplace.succeed("run street -d pca -o run");
+    let layers = || -> Vec<String> {
+        let entries = std::fs::read_dir(workplace.path("run/recording")).expect("it is there");
+        let mut names: Vec<String> =
+            entries.map(|it| it.expect("it is read").file_name().to_string_lossy().into_owned()).collect();
+        names.sort();
+        names
+    };
+    assert_eq!(layers(), ["detector-pca.rrd", "layout.rrd", "scans.rrd"]);
+    let before = ["detector-pca", "layout", "scans"].map(|it| {
+        std::fs::read(workplace.path("run/recording").join(format!("{it}.rrd"))).expect("it is there")
+    });
+    // What shows the old mistakes is not that of the new page.
+    workplace.write("run/recording/marks.rrd", "old");
+    workplace.write("run/viewer/places.json", "old");
+    workplace.succeed("run --add-to run -d simple-grid");
+    let added = ["detector-pca.rrd", "detector-simple-grid.rrd", "layout.rrd", "scans.rrd"];
+    assert_eq!(layers(), added);
+    let after = ["detector-pca", "layout", "scans"].map(|it| {
+        std::fs::read(workplace.path("run/recording").join(format!("{it}.rrd"))).expect("it is there")
+    });
+    assert_eq!([0, 1, 2].map(|it| before[it] == after[it]), [true, false, true]);
+    assert!(!workplace.path("run/viewer/places.json").exists());
+
+    workplace.write("run/recording/layout.rrd", "theirs");
+    let joined = "no detector can join the recording with the layout";
+    workplace.end_with("run --add-to run -d hierarchical", 3, &[joined]);
+    assert_eq!(layers(), added);
+    workplace.succeed("run --add-to run -d hierarchical --no-rrd");
+    std::fs::remove_dir_all(workplace.path("run/recording")).expect("it is there");
+    let said = "run is recorded: it has no recording in layers";
+    workplace.succeed("run --add-to run -d kd-tree").check_stderr(&[said]);
+}
+
+#[cfg(feature = "viewer")]
+#[test]
+fn layers_of_a_run_that_failed_are_not_those_of_the_next_one() {
+    let workplace = Workplace::with_drive(2);
+    workplace.write("out.unfinished/recording/detector-old.rrd", "cut off");
+    workplace.write("out.unfinished/recording/notes.txt", "of the user");
+    workplace.succeed("run street -d pca -o out");
+    assert!(!workplace.path("out/recording/detector-old.rrd").exists());
+    workplace.check_file("out.unfinished/recording/notes.txt", &["of the user"]);
+}

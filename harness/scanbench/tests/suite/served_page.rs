@@ -34,6 +34,8 @@ fn only_the_files_of_the_run_are_served_and_only_to_this_machine() {
         assert!(page.contains("Content-Type: text/html") && page.contains("<h1"), "{path}: {page:.300}");
     }
     assert!(answer(&address, "localhost", "/figures/").contains("href=\"times.svg\""));
+    let folder = answer(&address, &address, "/figures");
+    assert!(folder.starts_with("HTTP/1.1 301") && folder.contains("Location: /figures/"), "{folder}");
     assert!(answer(&address, &address, "/a%20name.txt").ends_with("ours"));
     let hidden = ["/../theirs.txt", "/%2e%2e/theirs.txt", "/.hidden", "/link.txt", "/none", "//etc/passwd"];
     for path in hidden {

@@ -15,6 +15,7 @@ use super::kitti_label_line::{CALIBRATION, class_word, label_line};
 use super::kitti_writer::{bin_bytes, bin_file};
 use super::whole_folder::WholeFolder;
 use crate::annotation::{Annotation, LabeledScan};
+use crate::dataset::AnnotatedClasses;
 use crate::dataset::data_sheet::{DATA_SHEET, DataSheet, LabeledRegion};
 use crate::dataset::folder_name::folder_name;
 use crate::dataset::proposal_list::{PROPOSALS_CSV, ProposalList};
@@ -35,10 +36,10 @@ named! {
 }
 
 /// A box of a project.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct ProjectBox {
-    /// Its class.
-    pub class: AnnotationClass,
+    /// What is labelled, or proposed, without its points.
+    pub annotation: Annotation,
     /// The box, in the frame of the sensor.
     pub bounding_box: OrientedBox,
     /// Where it comes from.
@@ -66,6 +67,13 @@ impl ProjectBox {
     }
 }
 
+/// The data sheet of scans of which only proposals are known: people who correct these look all round, for objects of all
+/// classes.
+pub fn sheet_of_proposals(sheet: DataSheet) -> DataSheet {
+    let annotated_classes = AnnotatedClasses::Only(AnnotationClass::ALL.to_vec());
+    DataSheet { labeled_region: LabeledRegion::Everywhere, annotated_classes, ..sheet }
+}
+
 /// A project that is being written.
 #[must_use = "a project that is not finished is thrown away"]
 pub struct ProposalWriter {
@@ -80,10 +88,6 @@ pub struct ProposalWriter {
 impl ProposalWriter {
     /// Begins the folder `path`, with the data sheet `sheet`.
     pub fn create(path: &Path, format: ProposalFormat, sheet: DataSheet) -> Result<Self, ConversionError> {
-        // People who correct proposals look all round.
-        let sheet = DataSheet { labeled_region: LabeledRegion::Everywhere, ..sheet };
-        let annotated_classes = crate::dataset::AnnotatedClasses::Only(AnnotationClass::ALL.to_vec());
-        let sheet = DataSheet { annotated_classes, ..sheet };
         let (folder, proposed) = (WholeFolder::create(path)?, ProposalList::default());
         Ok(Self { format, folder, sheet, proposed, classes: BTreeSet::new(), n_written: 0 })
     }
@@ -96,7 +100,7 @@ impl ProposalWriter {
         };
         self.n_written += 1;
         for it in boxes {
-            self.classes.insert(class_word(it.class));
+            self.classes.insert(class_word(it.annotation.class));
             if it.origin != BoxOrigin::Labelled {
                 self.proposed.add(&it.bounding_box);
             }
@@ -127,9 +131,20 @@ impl ProposalWriter {
             }
             ProposalFormat::Sustechpoints => {
                 folder.write(&format!("lidar/{name}.pcd"), &pcd_bytes(&scan.cloud))?;
-                let objects = (1..).zip(boxes);
-                let objects: Vec<SustechObject> = objects
-                    .map(|(track, it)| SustechObject::new(&listed(it, Some(track)), it.score()))
+                // What is not yet tracked gets numbers that are free in this scan.
+                let mut free =
+                    1 + boxes.iter().filter_map(|it| it.annotation.track).max().unwrap_or_default();
+                let track = |it: &ProjectBox| {
+                    it.annotation.track.unwrap_or_else(|| {
+                        free += 1;
+                        free - 1
+                    })
+                };
+                let tracks: Vec<u32> = boxes.iter().map(track).collect();
+                let objects: Vec<SustechObject> = boxes
+                    .iter()
+                    .zip(tracks)
+                    .map(|(it, track)| SustechObject::new(&listed(it, Some(track)), it.score()))
                     .collect();
                 folder.write(&labels, &json_bytes(&objects))?;
             }
@@ -167,7 +182,7 @@ const COLORS: [&str; 6] = ["#56b4e9", "#e69f00", "#009e73", "#cc79a7", "#f0e442"
 
 fn listed(it: &ProjectBox, track: Option<u32>) -> ListedBox {
     let OrientedBox { center_m, length_width_height_m, yaw_rad } = it.bounding_box;
-    let class = class_word(it.class).to_owned();
+    let class = class_word(it.annotation.class).to_owned();
     ListedBox { class, center_m: center_m.map(f64::from), length_width_height_m, yaw_rad, track }
 }
 
@@ -175,7 +190,8 @@ fn listed(it: &ProjectBox, track: Option<u32>) -> ListedBox {
 fn kitti_labels(boxes: &[ProjectBox]) -> String {
     let mut labels = String::new();
     for it in boxes {
-        let line = label_line(&Annotation::of(it.class), &it.bounding_box, "-1");
+        let truncation = it.annotation.truncation.map_or("-1".to_owned(), |share| share.to_string());
+        let line = label_line(&it.annotation, &it.bounding_box, &truncation);
         let score = it.score().map(|it| format!(" {it}")).unwrap_or_default();
         writeln!(labels, "{line}{score}").expect("a string takes all that is written");
     }

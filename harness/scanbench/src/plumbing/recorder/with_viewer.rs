@@ -3,7 +3,9 @@
 use std::path::Path;
 
 use evaluation::partial::growth::Growth;
-use evaluation::run::scan_recorder::{ChangedScan, MarksByScan, RecordedScan, RecordingEnding, ScanRecorder};
+use evaluation::run::scan_recorder::{
+    ChangedScan, MarksByDetector, RecordedScan, RecordingEnding, ScanRecorder,
+};
 use evaluation::sweep::quality_pass::SweptDataset;
 use evaluation::sweep::sweep_plan::SweepPlan;
 use reports::numbers::sweep_score::SweepScores;
@@ -118,7 +120,7 @@ pub fn record_growths(path: &Path, name: &str, growths: &[Growth]) -> Result<(),
 }
 
 /// Writes a layer with pointers at `marks` into the recording in `folder`.
-pub fn record_marks(folder: &Path, marks: &MarksByScan) -> Result<(), Failure> {
+pub fn record_marks(folder: &Path, marks: &MarksByDetector) -> Result<(), Failure> {
     Ok(marks_layer::write_marks(folder, marks)?)
 }
 

@@ -3,7 +3,9 @@
 use std::path::Path;
 
 use evaluation::partial::growth::Growth;
-use evaluation::run::scan_recorder::{ChangedScan, MarksByScan, RecordedScan, RecordingEnding, ScanRecorder};
+use evaluation::run::scan_recorder::{
+    ChangedScan, MarksByDetector, RecordedScan, RecordingEnding, ScanRecorder,
+};
 use evaluation::sweep::quality_pass::SweptDataset;
 use evaluation::sweep::sweep_plan::SweepPlan;
 use reports::numbers::sweep_score::SweepScores;
@@ -76,7 +78,7 @@ pub fn record_growths(_: &Path, _: &str, _: &[Growth]) -> Result<(), Failure> {
 }
 
 /// Refuses.
-pub fn record_marks(_: &Path, _: &MarksByScan) -> Result<(), Failure> {
+pub fn record_marks(_: &Path, _: &MarksByDetector) -> Result<(), Failure> {
     Err(Usage("--with-viewer needs Rerun, but this program was built without it".to_owned()).into())
 }
 

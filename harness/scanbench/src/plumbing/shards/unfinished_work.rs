@@ -211,7 +211,11 @@ impl UnfinishedWork {
         let refused = |source| ArchiveError::Write { path: kept.clone(), source };
         make_beside(&claimed, &kept)?;
         for name in names_of_results(&folder) {
-            std::fs::rename(folder.join(&name), kept.join(&name)).map_err(refused)?;
+            let to = kept.join(&name);
+            if std::fs::symlink_metadata(&to).is_ok_and(|it| it.is_dir()) {
+                remove_result(&to);
+            }
+            std::fs::rename(folder.join(&name), to).map_err(refused)?;
         }
         Ok(kept)
     }
@@ -245,9 +249,15 @@ fn names_of_results(folder: &Path) -> Vec<OsString> {
     let is_of_results = |it: &DirEntry| {
         let name = it.file_name();
         let ending = Path::new(&name).extension().and_then(OsStr::to_str);
-        ending.is_some_and(|it| ENDINGS.contains(&it)) || name.to_string_lossy().starts_with(RECORDING)
+        ending.is_some_and(|it| ENDINGS.contains(&it)) || is_recording(&name.to_string_lossy())
     };
     entries.filter(is_of_results).map(|it| it.file_name()).collect()
+}
+
+/// Whether it is the name of the folder of a recording: of the first part of a run, or of a later one, such as `recording-2`.
+fn is_recording(name: &str) -> bool {
+    let Some(number) = name.strip_prefix(RECORDING) else { return false };
+    number.is_empty() || number.strip_prefix('-').is_some_and(|it| it.parse::<u32>().is_ok())
 }
 
 /// Removes the file of a result, or the folder of a recording unless there is something else in it.

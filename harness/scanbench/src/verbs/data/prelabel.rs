@@ -8,8 +8,9 @@ use evaluation::run::config::RunConfig;
 use evaluation::run::detector_list::ListedDetector;
 use evaluation::run::side_by_side::RunError;
 use reports::vocabulary::class::AnnotationClass;
+use scans::annotation::Annotation;
 use scans::conversion::convert::sheet_of;
-use scans::conversion::proposal_writer::{BoxOrigin, ProjectBox, ProposalWriter};
+use scans::conversion::proposal_writer::{BoxOrigin, ProjectBox, ProposalWriter, sheet_of_proposals};
 use scans::dataset::folder_name::folder_name;
 
 use crate::cli::PrelabelArgs;
@@ -56,7 +57,8 @@ fn prelabel(
     warn_of_unknown_sensor(config, description);
     let config = config.for_scans_of(description);
     let mut detector = listed.build(&config, description.sensor_height_m);
-    let mut writer = ProposalWriter::create(path, arguments.to.format(), sheet_of(description))?;
+    let mut writer =
+        ProposalWriter::create(path, arguments.to.format(), sheet_of_proposals(sheet_of(description)))?;
     let n_scans = opened.scan_indices.len();
     let progress = progress_over_scans(n_scans, &description.id);
     let (mut output, mut n_done, mut n_proposals) = (DetectorOutput::default(), 0, 0);
@@ -82,7 +84,7 @@ fn prelabel(
         let vehicles = output.detections.iter().filter(|it| it.class == DetectedClass::Vehicle);
         // Detectors of ours do not distinguish cars from vans.
         let proposal = |it: Detection<'_>| ProjectBox {
-            class: AnnotationClass::Car,
+            annotation: Annotation::of(AnnotationClass::Car),
             bounding_box: it.bounding_box,
             origin: BoxOrigin::Proposed { score: it.score },
         };

@@ -16,6 +16,9 @@ use crate::plumbing::standard_streams::print_diagnostic;
 /// Characters of names that are written as numbers in links.
 const ENCODED: &AsciiSet = &NON_ALPHANUMERIC.remove(b'.').remove(b'-').remove(b'_');
 
+/// A viewer opens several files at once, and one that reads slowly holds up no other.
+const N_THREADS: usize = 4;
+
 /// Serves the files in `directory` at a port of this machine until the user ends it.
 pub fn serve_until_interrupted(directory: &Path, port: u16, interrupted: &AtomicBool) -> Result<(), Failure> {
     let root = directory.canonicalize().map_err(|error| Failure::damaged_run(directory, error))?;
@@ -23,15 +26,21 @@ pub fn serve_until_interrupted(directory: &Path, port: u16, interrupted: &Atomic
         .map_err(|error| Usage(format!("cannot serve the page at port {port} of 127.0.0.1: {error}")))?;
     let address = server.server_addr();
     print_diagnostic(format_args!("Serving the page until Ctrl-C: http://{address}/{REPORT_HTML}"));
-    while !interrupted.load(Ordering::Relaxed) {
-        let asked = server.recv_timeout(Duration::from_millis(50));
-        if let Some(request) =
-            asked.map_err(|error| Failure::internal("the server of the page fails", error))?
-        {
-            answer(request, &root);
+    let serve = || -> Result<(), Failure> {
+        while !interrupted.load(Ordering::Relaxed) {
+            let asked = server.recv_timeout(Duration::from_millis(50));
+            let failed = |error| Failure::internal("the server of the page fails", error);
+            if let Some(request) = asked.map_err(failed)? {
+                answer(request, &root);
+            }
         }
-    }
-    Ok(())
+        Ok(())
+    };
+    std::thread::scope(|scope| {
+        let others: Vec<_> = (1..N_THREADS).map(|_| scope.spawn(serve)).collect();
+        let ended = serve();
+        others.into_iter().map(|it| it.join().unwrap_or(Ok(()))).fold(ended, Result::and)
+    })
 }
 
 /// Answers with the file or the names in the folder that is asked for. A browser that goes away is no failure.
@@ -40,6 +49,12 @@ fn answer(request: Request, root: &Path) {
     let path = if is_read && is_for_this_machine(&request) { asked_path(request.url(), root) } else { None };
     let _ = match path {
         None => request.respond(Response::empty(404)),
+        // Links in it are relative to it.
+        Some(path) if path.is_dir() && !request.url().ends_with('/') => {
+            let location = Header::from_bytes("Location", format!("{}/", request.url()));
+            let location = location.expect("it was in a header");
+            request.respond(Response::empty(301).with_header(location))
+        }
         Some(path) if path.is_dir() => {
             request.respond(Response::from_string(listing(&path)).with_header(content_type("html")))
         }

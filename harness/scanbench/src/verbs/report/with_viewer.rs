@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 use std::io::Read as _;
 use std::path::{Path, PathBuf};
 
-use evaluation::run::scan_recorder::{Mark, MarksByScan};
+use evaluation::run::scan_recorder::{Mark, MarksByDetector};
 use flate2::read::GzDecoder;
 use reports::facts::run_facts::RunFacts;
 use reports::files::archive::ArchiveError;
@@ -12,16 +12,18 @@ use reports::files::csv_rows::read_rows;
 use reports::files::new_file::make_folder;
 use reports::files::regular_file::RegularFile;
 use reports::files::whole_set::WholeSet;
+use reports::pages::sweep_page::SweepPage;
 use reports::rows::scan_row::ScanRow;
-use reports::run_folder::run_directory::{RECORDING, SCANS_CSV, VIEWER, VIEWER_PLACES_JSON};
-use reports::worst::objects::ObjectName;
+use reports::run_folder::run_directory::{
+    PARTIAL_CSV, RECORDING, RECORDINGS_JSON, SCANS_CSV, VIEWER, VIEWER_PLACES_JSON,
+};
 use reports::worst::recorded::{RecordedObject, Recordings};
 use scans::dataset::checksum::sha256;
 
 use crate::plumbing::failure::{Failure, Usage};
-use crate::plumbing::recorder::record_marks;
+use crate::plumbing::recorder::{record_marks, rerun_version};
 use crate::plumbing::remote::local_name;
-use crate::plumbing::scans_in_order::scans_in_order;
+use crate::plumbing::scans_in_order::{ScanKey, scans_in_order};
 use crate::verbs::run::setup::arguments_of;
 
 /// Rerun publishes its web viewer in this package, for programs that serve it.
@@ -30,7 +32,7 @@ const ARCHIVE: &str =
 const ARCHIVE_SHA256: &str = "82d1d7ba0b0f236a054ec1e2bf044fbf03f23f2ba408ebaff00b2d1bdc8275a5";
 /// Its files.
 const VIEWER_FILES: [&str; 2] = ["re_viewer.js", "re_viewer_bg.wasm"];
-/// More is in none of them.
+/// No file of it is larger.
 const MOST_BYTES: u64 = 1 << 27;
 /// What opens them.
 const PAGE: &str = include_str!("viewer.html");
@@ -38,12 +40,22 @@ const PAGE: &str = include_str!("viewer.html");
 /// Writes the web viewer, from the file `archive` or else from its publisher, into the directory of a run, and pointers at its
 /// worst mistakes into its recording.
 pub fn add_viewer(directory: &Path, archive: Option<&Path>) -> Result<(), Failure> {
+    if rerun_version().is_none() {
+        return Err(refused("it needs Rerun, but this program was built without it"));
+    }
+    if SweepPage::is_sweep(directory) || directory.join(PARTIAL_CSV).is_file() {
+        return Err(refused(ONLY_RUNS));
+    }
     let facts = RunFacts::read(directory).map_err(|error| Failure::damaged_run(directory, error))?;
     let places = places_of(directory, &facts)?;
-    let fetched = if archive.is_some() { None } else { Some(local_name(ARCHIVE, None)?) };
-    let archive = archive.map_or_else(|| PathBuf::from(fetched.unwrap_or_default().as_ref()), Path::to_owned);
+    let archive = match archive {
+        Some(archive) => archive.to_owned(),
+        None => PathBuf::from(local_name(ARCHIVE, None)?.as_ref()),
+    };
     let content = viewer_files(&archive)?;
-    record_marks(&directory.join(RECORDING), &marks_of(&facts, &places))?;
+    for (recording, marks) in marks_of(&facts, &places) {
+        record_marks(&directory.join(recording), &marks)?;
+    }
     let unwritten = |source| ArchiveError::Write { path: directory.join(VIEWER), source };
     let files = WholeSet::within(&make_folder(directory, VIEWER).map_err(unwritten)?)?;
     for (name, content) in content {
@@ -78,54 +90,69 @@ fn viewer_files(archive: &Path) -> Result<Vec<(&'static str, Vec<u8>)>, Failure>
     Ok(files)
 }
 
-/// Where the worst mistakes are in the recordings of the run in `directory`.
+const ONLY_RUNS: &str = "only a page of `scanbench run` shows its mistakes in the viewer";
+
+fn refused(problem: &str) -> Failure {
+    Usage(format!("--with-viewer: {problem}")).into()
+}
+
+/// Where the worst mistakes are in the recordings of the run in `directory`: none where their scans are not recorded.
 fn places_of(directory: &Path, facts: &RunFacts) -> Result<Vec<RecordedObject>, Failure> {
-    let refused = |problem: &str| Failure::from(Usage(format!("--with-viewer: {problem}")));
-    if !directory.join(RECORDING).is_dir() {
+    let manifest = &facts.manifest;
+    let Ok(arguments) = arguments_of(manifest) else { return Err(refused(ONLY_RUNS)) };
+    let is_in_parts = directory.join(RECORDINGS_JSON).is_file();
+    if !is_in_parts && !directory.join(RECORDING).is_dir() {
         return Err(refused("the run has no recording; make it without --no-rrd and --save-rrd=FILE"));
     }
-    let manifest = &facts.manifest;
     if manifest.datasets.iter().any(|it| !it.skipped_scans.is_empty()) {
-        return Err(refused(
-            "damaged scans were left out, and the numbers of the others in the recording are not known",
-        ));
+        let problem =
+            "damaged scans were left out, and the numbers of the others in the recording are not known";
+        return Err(refused(problem));
     }
     let rows: Vec<ScanRow> =
         read_rows(&directory.join(SCANS_CSV)).map_err(|error| Failure::damaged_run(directory, error))?;
     let order = scans_in_order(&rows);
-    let every = arguments_of(manifest)?.stream.every(order.len());
-    let numbers: BTreeMap<_, u64> = order.into_iter().zip(0..).collect();
-    let mut places = Vec::new();
+    let every = u64::from(arguments.stream.every(order.len()));
+    let numbers: BTreeMap<ScanKey, u64> = order.into_iter().zip(0..).collect();
+    let mut places: Vec<RecordedObject> = Vec::new();
     for (_, worst) in facts.worst() {
-        let ObjectName { dataset, sequence, scan, .. } = &worst.object;
-        let place = match facts.recorded(&worst.object) {
-            Some(recorded) => Some((recorded.recording.clone(), recorded.step)),
-            None => numbers
-                .get(&(dataset.clone(), sequence.clone(), *scan))
-                .filter(|it| it.is_multiple_of(u64::from(every)))
-                .map(|it| (RECORDING.to_owned(), *it)),
+        let object = &worst.object;
+        let place = if is_in_parts {
+            facts.recorded(object).cloned()
+        } else {
+            let number = numbers.get(&(object.dataset.clone(), object.sequence.clone(), object.scan));
+            number.filter(|it| it.is_multiple_of(every)).map(|&step| {
+                let (object, recording) = (object.clone(), RECORDING.to_owned());
+                RecordedObject { object, recording, step }
+            })
         };
-        let is_new = places.iter().all(|it: &RecordedObject| it.object != worst.object);
-        // One in another directory is not served with the page.
-        if let Some((recording, step)) = place.filter(|(it, _)| is_new && !it.contains('/')) {
-            places.push(RecordedObject { object: worst.object.clone(), recording, step });
-        }
+        let is_new = places.iter().all(|it| it.object != *object);
+        // A recording in another directory is not served with the page.
+        places
+            .extend(place.filter(|it| {
+                is_new && directory.join(&it.recording).is_dir() && !it.recording.contains('/')
+            }));
+    }
+    if places.is_empty() {
+        return Err(refused("none of its mistakes is in a recording in its directory"));
     }
     Ok(places)
 }
 
-/// Pointers at the mistakes that are in the first recording.
-fn marks_of(facts: &RunFacts, places: &[RecordedObject]) -> MarksByScan {
-    let mut marks = MarksByScan::new();
+/// Pointers at the mistakes, for each recording.
+fn marks_of(facts: &RunFacts, places: &[RecordedObject]) -> BTreeMap<String, MarksByDetector> {
+    let mut marks: BTreeMap<String, MarksByDetector> = BTreeMap::new();
     for (list, worst) in facts.worst() {
-        let place = places.iter().find(|it| it.object == worst.object && it.recording == RECORDING);
-        let (Some(kind), Some(place)) = (list.kind, place) else { continue };
+        let place = places.iter().find(|it| it.object == worst.object);
+        let (Some(kind), Some(RecordedObject { recording, step, .. })) = (list.kind, place) else { continue };
         let mark = Mark {
             position_m: worst.window.center_m,
             text: format!("{} {}: {}", kind.name(), worst.class, worst.reason),
             change: None,
         };
-        let of_scan = marks.entry(list.detector.clone()).or_default().entry(place.step as i64).or_default();
+        let of_detector =
+            marks.entry(recording.clone()).or_default().entry(list.detector.clone()).or_default();
+        let of_scan = of_detector.entry(*step as i64).or_default();
         if !of_scan.contains(&mark) {
             of_scan.push(mark);
         }
@@ -136,13 +163,12 @@ fn marks_of(facts: &RunFacts, places: &[RecordedObject]) -> MarksByScan {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::plumbing::recorder::rerun_version;
 
+    #[cfg(feature = "viewer")]
     #[test]
     fn the_web_viewer_is_that_of_the_recordings() {
-        let version = rerun_version().unwrap_or("0.36.3".to_owned());
-        let version = version.split_whitespace().find(|it| it.starts_with(|it: char| it.is_ascii_digit()));
-        assert!(ARCHIVE.ends_with(&format!("-{}.crate", version.unwrap_or_default())), "{version:?}");
+        let version = rerun_version().unwrap();
+        assert!(ARCHIVE.ends_with(&format!("-{version}.crate")), "{version}");
     }
 
     #[test]

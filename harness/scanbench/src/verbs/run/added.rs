@@ -19,7 +19,7 @@ use reports::run_folder::manifest::Manifest;
 use reports::run_folder::run_archive::RunArchive;
 use reports::run_folder::run_directory::{
     AGREEMENT_CSV, KITTI_OBJECT_CSV, MATCHES_CSV, PROTOCOL_BOXES_CSV, PROTOCOL_LABELS_CSV, RECORDING,
-    RunDirectory, SCANS_CSV, STAGES_CSV, WORST_POINTS_JSON,
+    RECORDINGS_JSON, RunDirectory, SCANS_CSV, STAGES_CSV, VIEWER, VIEWER_PLACES_JSON, WORST_POINTS_JSON,
 };
 use reports::run_folder::run_target::{ClaimedTarget, ExistingTarget, LatestPointer};
 use reports::verdicts::comparability::check_joinable;
@@ -34,6 +34,7 @@ use crate::plumbing::second_names::keep;
 use crate::plumbing::shards::run_event::{RunEvent, ScanEvent};
 use crate::plumbing::shards::run_rows::RunRows;
 use crate::plumbing::shards::whole_run::WholeRun;
+use crate::plumbing::standard_streams::print_diagnostic;
 use crate::verbs::run::ending::print_ending;
 use crate::verbs::run::made::made_run;
 use crate::verbs::run::setup::arguments_of;
@@ -53,7 +54,7 @@ pub fn add_to(base: &Path, arguments: &RunArgs) -> Result<(), Failure> {
     again.output = OutputArgs { output: Some(folder.path().join("run")), overwrite: false };
     again.foreign.missing_detections = arguments.foreign.missing_detections;
     let stream = &mut again.stream;
-    stream.no_rrd = !base.join(RECORDING).is_dir() || arguments.stream.no_rrd;
+    stream.no_rrd = arguments.stream.no_rrd || !can_join(base);
     (stream.save_rrd, stream.connect, stream.serve, stream.spawn) = (None, None, None, false);
     // Its recording joins that one. It also marks a run that nobody can continue.
     again.add_to = Some(base.clone());
@@ -76,8 +77,9 @@ pub fn add_to(base: &Path, arguments: &RunArgs) -> Result<(), Failure> {
         rows.add(&event, 0)?;
     }
     let whole = WholeRun::in_one_piece(Study::Run, rows, &manifest, &directory)?;
-    // Whoever put it there.
+    // Recordings, and files of the user.
     keep(base, directory.folder())?;
+    forget_old_mistakes(&directory)?;
     let finished = directory.finish()?;
     print_ending(&whole, &finished)
 }
@@ -98,6 +100,29 @@ fn refuse_unlike(base: &Path, manifest: &Manifest) -> Result<(), Failure> {
     };
     problem
         .map_or(Ok(()), |it| Err(Usage(format!("--add-to {name}: {it}; run all detectors together")).into()))
+}
+
+/// Whether the run in `base` has a recording that a detector can join; says if it has not.
+fn can_join(base: &Path) -> bool {
+    let problem = if base.join(RECORDINGS_JSON).is_file() {
+        "its recording has several parts"
+    } else if base.join(RECORDING).is_dir() {
+        return true;
+    } else {
+        "it has no recording in layers"
+    };
+    print_diagnostic(format_args!("Nothing that is added to {} is recorded: {problem}", base.display()));
+    false
+}
+
+/// Removes from the new directory what shows the worst mistakes of the old one in the viewer.
+fn forget_old_mistakes(directory: &RunDirectory) -> Result<(), ArchiveError> {
+    let [marks, places] =
+        [Path::new(RECORDING).join("marks.rrd"), Path::new(VIEWER).join(VIEWER_PLACES_JSON)];
+    for path in [marks, places].map(|it| directory.folder().join(it)).into_iter().filter(|it| it.exists()) {
+        std::fs::remove_file(&path).map_err(|source| ArchiveError::Write { path, source })?;
+    }
+    Ok(())
 }
 
 /// The detectors to add: those that were named. The default ones are no wish.
