@@ -26,8 +26,8 @@ use crate::rows::scan_name::ScanName;
 use crate::rows::scan_row::ScanRow;
 use crate::run_folder::manifest::{DatasetEntry, Manifest};
 use crate::run_folder::run_directory::{
-    MATCHES_CSV, RECORDING, RECORDINGS_JSON, REPORT_JSON, SCANS_CSV, VIEWER, VIEWER_PLACES_JSON,
-    WORST_POINTS_JSON,
+    MATCHES_CSV, RECORDINGS_JSON, REPORT_JSON, SCANS_CSV, VIEWER, VIEWER_PLACES_JSON, WORST_POINTS_JSON,
+    recordings_in,
 };
 use crate::run_folder::run_target::MANIFEST_JSON;
 use crate::tables::class_table::{ClassTable, class_tables};
@@ -58,8 +58,8 @@ pub struct BesideRows {
     pub protocols: Option<ProtocolReport>,
     /// How far detectors agree where nothing is labelled.
     pub agreement: Vec<AgreementRow>,
-    /// Whether there is a recording for the viewer.
-    pub has_recording: bool,
+    /// The folders of its recordings for the viewer.
+    pub recording_folders: Vec<String>,
     /// Where the viewer of the page shows the worst mistakes, if there is one.
     pub in_viewer: Option<Recordings>,
 }
@@ -115,8 +115,8 @@ pub struct RunFacts {
     pub confusion: Vec<ConfusionRow>,
     /// How far detectors agree where nothing is labelled.
     pub(crate) agreement: Vec<AgreementRow>,
-    /// Whether there is a recording for the viewer.
-    pub(crate) has_recording: bool,
+    /// The folders of its recordings for the viewer.
+    pub(crate) recording_folders: Vec<String>,
     /// Where the viewer of the page shows the worst mistakes, if there is one.
     pub(crate) in_viewer: Option<Recordings>,
 }
@@ -189,7 +189,7 @@ impl RunFacts {
             recordings: Recordings::read(&directory.join(RECORDINGS_JSON))?,
             protocols: protocols_of(directory, &manifest)?,
             agreement: agreement_of(directory)?,
-            has_recording: directory.join(RECORDING).is_dir(),
+            recording_folders: recordings_in(directory),
             in_viewer: Recordings::read(&directory.join(VIEWER).join(VIEWER_PLACES_JSON))?,
         };
         let draws = gathered.tally.draw();
@@ -219,7 +219,7 @@ impl RunFacts {
         };
         let failures = detectors.iter().filter_map(failed_detector).collect();
         let of_pool = |(pool, times_ms)| PoolFacts::of(pool, times_ms, &tally, draws, &report);
-        let BesideRows { points, recordings, protocols, agreement, has_recording, in_viewer } = beside;
+        let BesideRows { points, recordings, protocols, agreement, recording_folders, in_viewer } = beside;
         Ok(Self {
             tables: task_tables(&report, &manifest)?,
             rankings: scored(rankings(&tally, draws, &manifest, &report), &agreement),
@@ -237,7 +237,7 @@ impl RunFacts {
             slices: slice_tables(&report, &manifest),
             confusion,
             agreement,
-            has_recording,
+            recording_folders,
             in_viewer,
             worst,
             tally,

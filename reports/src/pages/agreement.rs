@@ -5,7 +5,6 @@ use maud::html;
 use super::document::Section;
 use super::markup::titled_tables;
 use crate::facts::run_facts::RunFacts;
-use crate::run_folder::run_directory::RECORDING;
 use crate::tables::agreement_table::AgreementOfDetectors;
 use crate::tables::sheet::Tabular as _;
 
@@ -18,8 +17,8 @@ pub(super) fn agreement(facts: &RunFacts) -> Option<Section> {
     let content = html! {
         p.about { "The scans have no labels, so there are no scores." }
         (titled_tables(&sheet, "Agreement"))
-        @if facts.has_recording {
-            p { "What only one detector sees shows in the recording, where all stand side by side: " code { "rerun " (RECORDING) } }
+        @if !facts.recording_folders.is_empty() {
+            p { "What only one detector sees shows in the recording, where all stand side by side: " code { "rerun " (facts.recording_folders.join(" ")) } }
         }
     };
     Some(Section::new("Agreement", "Where detectors agree", content))

@@ -8,7 +8,6 @@ use super::markup::commands;
 use crate::facts::run_facts::RunFacts;
 use crate::run_folder::command_line::shell_word;
 use crate::run_folder::manifest::{DatasetEntry, ForeignEntry, Manifest};
-use crate::run_folder::run_directory::RECORDING;
 
 pub(super) fn reproduction(facts: &RunFacts) -> Section {
     let manifest = &facts.manifest;
@@ -23,7 +22,7 @@ pub(super) fn reproduction(facts: &RunFacts) -> Section {
             @if let Some(foreign) = &entry.foreign { (not_built_in(&entry.name, foreign)) }
         }
         (data_table(manifest))
-        @if facts.has_recording { (recording(manifest)) }
+        @if !facts.recording_folders.is_empty() { (recording(manifest, &facts.recording_folders)) }
     };
     Section::new("Reproduce", "Reproduce", content)
 }
@@ -97,15 +96,15 @@ fn made_of(manifest: &Manifest, entry: &DatasetEntry) -> Markup {
     }
 }
 
-fn recording(manifest: &Manifest) -> Markup {
+fn recording(manifest: &Manifest, folders: &[String]) -> Markup {
     // The library gives its own version, maybe with its name before it.
     let version = manifest.rerun_version.as_deref().unwrap_or_default();
     html! {
         div.recording {
             h3 { "Every stage on every scan" }
-            p { "The recording " a href=(RECORDING) { (RECORDING) } " opens in the Rerun viewer, on the desktop or in a browser:" }
+            p { "The recording " @for it in folders { a href=(it) { (it) } " " } "opens in the Rerun viewer, on the desktop or in a browser:" }
             (commands(
-                &format!("pip install rerun-sdk=={version}\nrerun {RECORDING}\nrerun --web-viewer {RECORDING}"),
+                &format!("pip install rerun-sdk=={version}\nrerun {folders}\nrerun --web-viewer {folders}", folders = folders.join(" ")),
                 "Commands that open the recording"
             ))
         }

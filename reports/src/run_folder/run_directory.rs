@@ -36,6 +36,18 @@ pub const RECORDING: &str = "recording";
 pub const VIEWER: &str = "viewer";
 /// Where the worst mistakes are recorded, in [`VIEWER`].
 pub const VIEWER_PLACES_JSON: &str = "places.json";
+/// The folders of the recordings in the directory of a run, that of its first part first.
+pub fn recordings_in(directory: &Path) -> Vec<String> {
+    let later = (2..).map(|part| format!("{RECORDING}-{part}"));
+    let is_there = |it: &String| directory.join(it).is_dir();
+    // The first parts of a run may have been killed.
+    let later = later.take(MOST_PARTS).filter(is_there);
+    [RECORDING.to_owned()].into_iter().filter(is_there).chain(later).collect()
+}
+
+/// Nobody looks for recordings of more parts.
+const MOST_PARTS: usize = 1000;
+
 /// Where the scans of the worst mistakes are recorded, of a run that was made in parts.
 pub const RECORDINGS_JSON: &str = "recordings.json";
 /// Times of a run that was made in parts on unlike processors, for each processor by itself.

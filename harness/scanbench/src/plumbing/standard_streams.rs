@@ -11,7 +11,7 @@ use crate::plumbing::closed_streams::stdout_was_closed;
 use crate::plumbing::failure::Failure;
 use reports::files::shown_text::{printable_lines, shown_lines};
 use reports::run_folder::command_line::shell_word;
-use reports::run_folder::run_directory::{RECORDING, REPORT_HTML};
+use reports::run_folder::run_directory::{REPORT_HTML, recordings_in};
 use reports::tables::formats::terminal::Terminal;
 
 /// How much is said on stderr.
@@ -76,12 +76,15 @@ pub fn print_result_in(what: &str, directory: &Path, result: impl Display) -> Re
     }
     let printed = print_result(result);
     print_diagnostic(format_args!("{what}: {}", directory.display()));
-    let [page, recording] = [REPORT_HTML, RECORDING].map(|it| directory.join(it));
+    let page = directory.join(REPORT_HTML);
     if page.is_file() {
         print_diagnostic(format_args!("Page: {}", page.display()));
     }
-    if recording.is_dir() {
-        print_diagnostic(format_args!("Recording: rerun {}", shell_word(&recording.display().to_string())));
+    let recordings = recordings_in(directory).into_iter();
+    let recordings: Vec<String> =
+        recordings.map(|it| shell_word(&directory.join(it).display().to_string())).collect();
+    if !recordings.is_empty() {
+        print_diagnostic(format_args!("Recording: rerun {}", recordings.join(" ")));
     }
     printed
 }

@@ -9,13 +9,14 @@ use evaluation::matching::outcome::{AnnotationOutcome, Assignment, DetectionOutc
 use evaluation::run::scan_recorder::{ChangedScan, Mark, ScanRecorder as _, SideOfScan};
 use reports::rows::match_outcome::{DetectionFacts, MatchOutcome};
 use reports::rows::match_row::MatchRow;
+use reports::run_folder::command_line::shell_word;
 use reports::run_folder::manifest::Manifest;
 use reports::run_folder::run_archive::RunArchive;
 use reports::verdicts::accept::run_of_baseline;
 use reports::verdicts::change::{Change, ChangeKind, in_words, n_of_kinds};
 use reports::verdicts::classes_of_both::with_classes_of_both;
 use reports::verdicts::comparability::check_comparable;
-use reports::verdicts::drift::{ScanSubject, drift};
+use reports::verdicts::drift::{ScanDrift, ScanSubject, drift};
 use reports::vocabulary::class::DetectionClass;
 use reports::vocabulary::class_traits::ClassGroup;
 use reports::vocabulary::criterion::CriterionKind;
@@ -46,7 +47,9 @@ pub fn view_changes(arguments: &ViewArgs, after: &Path) -> Result<(), Failure> {
     check_comparable(&sides[0], &sides[1]).map_err(|error| Failure::NotComparable(error.into()))?;
     let sides = with_classes_of_both(sides);
     let (detector, task) = chosen_task(arguments, &sides[0])?;
-    let of_both = drift(&sides[0], &sides[1]).into_iter().filter(|it| {
+    let all = drift(&sides[0], &sides[1]);
+    let of_others = of_others(&all, (detector, task));
+    let of_both = all.into_iter().filter(|it| {
         let address = scan_address(&it.subject.dataset, &it.subject.sequence, it.subject.scan);
         let is_asked = it.subject.detector == detector && it.subject.task == task.name();
         // Of an object, its scan: outcomes change, and with them the names of mistakes.
@@ -61,13 +64,34 @@ pub fn view_changes(arguments: &ViewArgs, after: &Path) -> Result<(), Failure> {
     let mut listed: Vec<ListedChange> = listed.collect();
     if listed.is_empty() {
         let at = arguments.at.as_ref().map(|it| format!(" at {it}")).unwrap_or_default();
-        return print_text(&format!("{detector}, {task}: no object has another outcome{at}\n"));
+        return print_text(&format!("{detector}, {task}: no object has another outcome{at}\n{of_others}"));
     }
     let counted = in_words(&n_of_kinds(listed.iter().map(|it| &it.change)));
     listed.sort_by_key(|it| (it.change.kind, std::cmp::Reverse(it.change.n_points)));
     listed.truncate(arguments.worst as usize);
-    print_text(&format!("{detector}, {task}: {counted}\n\n{}", lines(&listed)))?;
+    print_text(&format!("{detector}, {task}: {counted}\n\n{}{of_others}", lines(&listed)))?;
     record(arguments, after, &sides, (detector, task), &listed)
+}
+
+/// Most detectors and tasks whose changes are counted beside those that are listed.
+const MOST_OTHERS: usize = 3;
+
+/// Lines with the number of changes of other detectors and tasks than the listed ones, and how to list them.
+fn of_others(all: &[ScanDrift], listed: (&str, Task)) -> String {
+    let mut others: BTreeMap<(&str, &str), usize> = BTreeMap::new();
+    for ScanDrift { subject, changes } in all {
+        let n_seen = changes.iter().filter(|it| ChangeKind::SEEN.contains(&it.kind)).count();
+        let of = (subject.detector.as_str(), subject.task.as_str());
+        if n_seen > 0 && of != (listed.0, listed.1.name()) {
+            *others.entry(of).or_default() += n_seen;
+        }
+    }
+    let line = |((detector, task), n): (&(&str, &str), &usize)| {
+        format!("{n} changes of {detector}, {task}: add -d {} --task {task}\n", shell_word(detector))
+    };
+    let mut most: Vec<(&(&str, &str), &usize)> = others.iter().collect();
+    most.sort_by_key(|it| std::cmp::Reverse(it.1));
+    most.into_iter().take(MOST_OTHERS).map(line).collect::<Vec<_>>().concat()
 }
 
 /// The changes as lines of text with a head.

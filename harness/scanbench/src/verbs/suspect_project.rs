@@ -3,7 +3,7 @@
 use std::path::Path;
 use std::sync::atomic::Ordering;
 
-use detector::{DetectedClass, OrientedBox};
+use detector::{DetectedClass, OrientedBox, PointCloud};
 use evaluation::run::side_by_side::RunError;
 use reports::files::csv_rows::to_csv_bytes;
 use reports::rows::match_outcome::BoxFacts;
@@ -11,7 +11,7 @@ use reports::rows::suspect_row::{SuspectBoxRow, SuspectRow};
 use reports::run_folder::manifest::Manifest;
 use reports::vocabulary::class::AnnotationClass;
 use reports::worst::mistakes::scan_address;
-use scans::annotation::{Annotation, LabeledScan};
+use scans::annotation::{Annotation, LabeledScan, PointRegion};
 use scans::conversion::convert::sheet_of;
 use scans::conversion::proposal_writer::{BoxOrigin, ProjectBox, ProposalFormat, ProposalWriter};
 
@@ -49,7 +49,7 @@ pub fn write_project(
         }
         let scan = dataset.read_scan(*scan_idx)?;
         let (boxes, of_file) = boxes_of(&scan, suspects);
-        let file = writer.write(&scan, &boxes)?;
+        let file = writer.write(&labelled_part(scan), &boxes)?;
         rows.extend(of_file.into_iter().map(|(rank, place, it)| SuspectBoxRow {
             rank,
             scan: scan_address(&it.dataset, &it.sequence, it.scan),
@@ -129,6 +129,16 @@ fn boxes_of<'a>(
         of_file.extend(place.map(|place| (*rank, place as u32 + 1, *it)));
     }
     (boxes, of_file)
+}
+
+/// `scan` with the points alone of which its labels say something: a project is labelled all round.
+fn labelled_part(scan: LabeledScan) -> LabeledScan {
+    let mut cloud = PointCloud::with_capacity(scan.cloud.len());
+    let points = scan.cloud.positions_m().zip(scan.cloud.intensity()).zip(&scan.point_regions);
+    for ((position_m, intensity), _) in points.filter(|(_, it)| **it != PointRegion::Outside) {
+        cloud.push(position_m, *intensity);
+    }
+    LabeledScan::everywhere(scan.id, cloud, scan.annotations)
 }
 
 /// The class that is labelled where detectors see something of class `found`.

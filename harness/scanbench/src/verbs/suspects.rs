@@ -84,15 +84,15 @@ pub fn suspects(arguments: &SuspectsArgs) -> Result<(), Failure> {
         let reason = format!("{} contradict no label together", detectors.join(", "));
         return Err(NothingEvaluated { reason }.into());
     }
-    let files = WholeSet::within(&arguments.run)?;
-    files.write("suspects.csv", &to_csv_bytes(&all)?)?;
-    files.finish()?;
     let listed = &all[..all.len().min(arguments.most as usize)];
-    print_text(&suspects_to_terminal(listed, all.len()))?;
-    print_diagnostic(format_args!("Suspects: {}", arguments.run.join("suspects.csv").display()));
     if let (Some(tool), Some(output)) = (arguments.to, &arguments.output) {
         write_project(&run.manifest, arguments.trust, listed, (tool.format(), output))?;
     }
+    let files = WholeSet::within(&arguments.run)?;
+    files.write("suspects.csv", &to_csv_bytes(&all)?)?;
+    files.finish()?;
+    print_text(&suspects_to_terminal(listed, all.len()))?;
+    print_diagnostic(format_args!("Suspects: {}", arguments.run.join("suspects.csv").display()));
     let mut scans: Vec<PointedScan<'_>> = Vec::new();
     for (rank, it) in (1..).zip(listed) {
         let mark = it.position_m().map(|position_m| Mark {

@@ -30,7 +30,7 @@ use super::viewer::{ServedRecording, ViewerLink, ViewerState};
 /// Number of scans that are written at once if no viewer waits for them. Rerun holds the index of the file in memory until
 /// its end, and it has a slot for every component in every chunk: a third of a megabyte for each time that something is
 /// written.
-const MAX_HELD_BACK: u32 = 16;
+const MAX_HELD_BACK: u32 = 8;
 
 /// How a recording ended.
 #[derive(Debug)]

@@ -6,7 +6,9 @@ use reports::numbers::tally::Tally;
 use reports::protocols::protocol_report::ProtocolReport;
 use reports::rows::scan_row::ScanRow;
 use reports::run_folder::manifest::Manifest;
-use reports::run_folder::run_directory::{RECORDING, RECORDINGS_JSON, RunDirectory, WORST_POINTS_JSON};
+use reports::run_folder::run_directory::{
+    RECORDING, RECORDINGS_JSON, RunDirectory, WORST_POINTS_JSON, recordings_in,
+};
 use reports::run_folder::shard_check::ShardMismatch;
 use reports::run_folder::shard_record::{ShardPart, ShardRecord};
 use reports::vocabulary::study::Study;
@@ -104,13 +106,13 @@ impl WholeRun {
         more.extend(write_agreement(directory, &agreement)?);
         let draws = gathered.tally.draw();
         let report = gathered.tally.report(manifest.scoring_version, &draws)?;
-        let has_recording = directory.path_of(RECORDING).is_dir();
+        let recording_folders = recordings_in(directory.folder());
         let beside = BesideRows {
             points: Some(points),
             recordings,
             protocols,
             agreement,
-            has_recording,
+            recording_folders,
             in_viewer: None,
         };
         let facts = RunFacts::of(gathered, beside, manifest, report, &draws)?;

@@ -37,6 +37,9 @@ pub struct ReportArgs {
     #[arg(long, value_name = "FILE", num_args = 0..=1, require_equals = true, help_heading = VIEWER)]
     #[allow(clippy::option_option, reason = "both the option and its value may be left out")]
     pub with_viewer: Option<Option<PathBuf>>,
+    /// Folder that the viewer is fetched into [default: ~/.cache/scanbench]
+    #[arg(long, value_name = "DIR", env = "SCANBENCH_CACHE", hide_short_help = true, help_heading = VIEWER)]
+    pub cache: Option<PathBuf>,
     /// Serve the page to browsers of this machine at PORT until Ctrl-C [default port: 9877]
     #[arg(
         long,
@@ -67,7 +70,7 @@ pub fn report(arguments: &ReportArgs) -> Result<(), Failure> {
     let directory = &arguments.run;
     refuse_other_than_run(directory)?;
     if let Some(archive) = &arguments.with_viewer {
-        add_viewer(directory, archive.as_deref())?;
+        add_viewer(directory, archive.as_deref(), arguments.cache.as_deref())?;
     }
     write_page(directory)?;
     match arguments.serve {

@@ -22,8 +22,11 @@ const N_THREADS: usize = 4;
 /// Serves the files in `directory` at a port of this machine until the user ends it.
 pub fn serve_until_interrupted(directory: &Path, port: u16, interrupted: &AtomicBool) -> Result<(), Failure> {
     let root = directory.canonicalize().map_err(|error| Failure::damaged_run(directory, error))?;
-    let server = Server::http((Ipv4Addr::LOCALHOST, port))
-        .map_err(|error| Usage(format!("cannot serve the page at port {port} of 127.0.0.1: {error}")))?;
+    let server = Server::http((Ipv4Addr::LOCALHOST, port)).map_err(|error| {
+        Usage(format!(
+            "cannot serve the page at port {port} of 127.0.0.1: {error}; choose another, --serve=PORT"
+        ))
+    })?;
     let address = server.server_addr();
     print_diagnostic(format_args!("Serving the page until Ctrl-C: http://{address}/{REPORT_HTML}"));
     let serve = || -> Result<(), Failure> {

@@ -24,6 +24,7 @@ use crate::plumbing::failure::{Failure, Usage};
 use crate::plumbing::recorder::{record_marks, rerun_version};
 use crate::plumbing::remote::local_name;
 use crate::plumbing::scans_in_order::{ScanKey, scans_in_order};
+use crate::plumbing::standard_streams::print_diagnostic;
 use crate::verbs::run::setup::arguments_of;
 
 /// Rerun publishes its web viewer in this package, for programs that serve it.
@@ -37,9 +38,9 @@ const MOST_BYTES: u64 = 1 << 27;
 /// What opens them.
 const PAGE: &str = include_str!("viewer.html");
 
-/// Writes the web viewer, from the file `archive` or else from its publisher, into the directory of a run, and pointers at its
+/// Writes the web viewer, from the file `archive` or else from its publisher by way of the folder `cache`, into the directory of a run, and pointers at its
 /// worst mistakes into its recording.
-pub fn add_viewer(directory: &Path, archive: Option<&Path>) -> Result<(), Failure> {
+pub fn add_viewer(directory: &Path, archive: Option<&Path>, cache: Option<&Path>) -> Result<(), Failure> {
     if rerun_version().is_none() {
         return Err(refused("it needs Rerun, but this program was built without it"));
     }
@@ -48,10 +49,7 @@ pub fn add_viewer(directory: &Path, archive: Option<&Path>) -> Result<(), Failur
     }
     let facts = RunFacts::read(directory).map_err(|error| Failure::damaged_run(directory, error))?;
     let places = places_of(directory, &facts)?;
-    let archive = match archive {
-        Some(archive) => archive.to_owned(),
-        None => PathBuf::from(local_name(ARCHIVE, None)?.as_ref()),
-    };
+    let archive = archive.map_or_else(|| fetched(cache), |it| Ok(it.to_owned()))?;
     let content = viewer_files(&archive)?;
     for (recording, marks) in marks_of(&facts, &places) {
         record_marks(&directory.join(recording), &marks)?;
@@ -64,6 +62,16 @@ pub fn add_viewer(directory: &Path, archive: Option<&Path>) -> Result<(), Failur
     files.write("index.html", PAGE.as_bytes())?;
     files.write(VIEWER_PLACES_JSON, Recordings::new(places).to_json().as_bytes())?;
     Ok(files.finish()?)
+}
+
+/// The archive of the viewer, from its publisher.
+fn fetched(cache: Option<&Path>) -> Result<PathBuf, Failure> {
+    print_diagnostic(format_args!("Rerun's web viewer, 14 MB, once for all runs: {ARCHIVE}"));
+    let fetched = local_name(ARCHIVE, cache);
+    if fetched.is_err() {
+        print_diagnostic("Where there is no network, --with-viewer=FILE takes that archive");
+    }
+    Ok(PathBuf::from(fetched?.as_ref()))
 }
 
 /// The files of the viewer in the `archive`.
