@@ -29,7 +29,7 @@ use crate::plumbing::failure::Failure;
 use crate::plumbing::open_run::open_run;
 use crate::plumbing::progress::progress_over_scans;
 use crate::plumbing::recorder::{self, RecordingPlace, RecordingPlan, finish_and_serve, is_wanted};
-use crate::plumbing::standard_streams::print_text;
+use crate::plumbing::standard_streams::{print_diagnostic, print_text};
 use crate::verbs::worst_scans::{chosen_task, datasets_of, place_of};
 
 /// The sides, as the recording names them.
@@ -64,34 +64,44 @@ pub fn view_changes(arguments: &ViewArgs, after: &Path) -> Result<(), Failure> {
     let mut listed: Vec<ListedChange> = listed.collect();
     if listed.is_empty() {
         let at = arguments.at.as_ref().map(|it| format!(" at {it}")).unwrap_or_default();
-        return print_text(&format!("{detector}, {task}: no object has another outcome{at}\n{of_others}"));
+        print_text(&format!("{detector}, {task}: no object has another outcome{at}\n"))?;
+        say_of_others(&of_others);
+        return Ok(());
     }
     let counted = in_words(&n_of_kinds(listed.iter().map(|it| &it.change)));
     listed.sort_by_key(|it| (it.change.kind, std::cmp::Reverse(it.change.n_points)));
     listed.truncate(arguments.worst as usize);
-    print_text(&format!("{detector}, {task}: {counted}\n\n{}{of_others}", lines(&listed)))?;
+    print_text(&format!("{detector}, {task}: {counted}\n\n{}", lines(&listed)))?;
+    say_of_others(&of_others);
     record(arguments, after, &sides, (detector, task), &listed)
 }
 
 /// Most detectors and tasks whose changes are counted beside those that are listed.
 const MOST_OTHERS: usize = 3;
 
-/// Lines with the number of changes of other detectors and tasks than the listed ones, and how to list them.
-fn of_others(all: &[ScanDrift], listed: (&str, Task)) -> String {
-    let mut others: BTreeMap<(&str, &str), usize> = BTreeMap::new();
+/// Numbers of changes of other detectors and tasks than the `listed` ones, most first.
+fn of_others(all: &[ScanDrift], listed: (&str, Task)) -> Vec<((String, String), usize)> {
+    let mut others: BTreeMap<(String, String), usize> = BTreeMap::new();
     for ScanDrift { subject, changes } in all {
         let n_seen = changes.iter().filter(|it| ChangeKind::SEEN.contains(&it.kind)).count();
-        let of = (subject.detector.as_str(), subject.task.as_str());
-        if n_seen > 0 && of != (listed.0, listed.1.name()) {
-            *others.entry(of).or_default() += n_seen;
+        let is_listed = (subject.detector.as_str(), subject.task.as_str()) == (listed.0, listed.1.name());
+        if n_seen > 0 && !is_listed {
+            *others.entry((subject.detector.clone(), subject.task.clone())).or_default() += n_seen;
         }
     }
-    let line = |((detector, task), n): (&(&str, &str), &usize)| {
-        format!("{n} changes of {detector}, {task}: add -d {} --task {task}\n", shell_word(detector))
-    };
-    let mut most: Vec<(&(&str, &str), &usize)> = others.iter().collect();
+    let mut most: Vec<_> = others.into_iter().collect();
     most.sort_by_key(|it| std::cmp::Reverse(it.1));
-    most.into_iter().take(MOST_OTHERS).map(line).collect::<Vec<_>>().concat()
+    most
+}
+
+/// Says how to list the changes of others.
+fn say_of_others(others: &[((String, String), usize)]) {
+    for ((detector, task), n_changes) in others.iter().take(MOST_OTHERS) {
+        let detector_word = shell_word(detector);
+        print_diagnostic(format_args!(
+            "{detector}, {task}: {n_changes} objects have another outcome; -d {detector_word} --task {task} lists them"
+        ));
+    }
 }
 
 /// The changes as lines of text with a head.

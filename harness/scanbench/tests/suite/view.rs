@@ -98,6 +98,7 @@ fn two_runs_are_shown_by_what_changed_between_them() {
     workplace.succeed(&(before, "-P cell_size_m=1.0 -o after"));
     let recorded = if cfg!(feature = "viewer") { "" } else { "--no-rrd" };
     let ended = workplace.succeed(&("view before after --task objects --worst 1000", recorded));
+    ended.check_stderr(&["hierarchical, vehicles: ", "-d hierarchical --task vehicles lists them"]);
     let mut lines = ended.stdout.lines();
     let head = lines.next().expect("a head");
     assert!(head.starts_with("hierarchical, objects: ") && head.contains(" lost, "), "{head}");
