@@ -1,8 +1,11 @@
 //! `scanbench compare`.
 
 use std::collections::BTreeSet;
+use std::path::Path;
 
+use reports::pages::sweep_page::SweepPage;
 use reports::rows::partial_row::PartialRow;
+use reports::run_folder::command_line::shell_word;
 use reports::run_folder::run_archive::RunArchive;
 use reports::tables::formats::format::Format;
 use reports::tables::formats::markdown::Markdown;
@@ -54,7 +57,25 @@ pub fn compare(arguments: &CompareArgs) -> Result<(), Failure> {
     }
     let format: &dyn Format<Comparison> = if arguments.markdown { &Markdown } else { &terminal() };
     let text = format.text(&comparison);
-    print_text(&text)
+    print_text(&text)?;
+    if let (Some(other), Some((1.., _))) = (&arguments.other, &comparison.drift) {
+        say_how_to_see(&run, [&arguments.run, other]);
+    }
+    Ok(())
+}
+
+/// Says how the changes from one run to the other are seen; points of sweeps and partial clouds have no scene.
+fn say_how_to_see(run: &RunArchive, sides: [&Path; 2]) {
+    let Some(detector) = run.manifest.detectors.first().filter(|_| run.manifest.partial.is_none()) else {
+        return;
+    };
+    if !SweepPage::is_sweep(sides[0]) {
+        let [before, after] = sides.map(|it| shell_word(&it.display().to_string()));
+        print_diagnostic(format_args!(
+            "Object by object, and in the viewer: scanbench view {before} {after} -d {} --task objects",
+            shell_word(&detector.name)
+        ));
+    }
 }
 
 fn of_detectors(

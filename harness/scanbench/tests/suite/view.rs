@@ -130,6 +130,9 @@ fn two_runs_are_shown_by_what_changed_between_them() {
     let first = ended.stdout.lines().nth(3).expect("a change").split_whitespace().nth(2).expect("an address");
     let one = workplace.succeed(&("view before after --task objects --no-rrd --at", [first]));
     assert!(one.stdout.lines().skip(3).all(|it| it.contains(first)), "{}", one.stdout);
+    let seen = "scanbench view before after -d hierarchical --task objects";
+    workplace.succeed("compare before after").check_stderr(&[seen]);
+    assert!(!workplace.succeed("compare before before").stderr.contains("scanbench view"));
     let none = workplace.succeed("view before before");
     none.check_stdout(&["hierarchical, vehicles: no object has another outcome"]);
     workplace.refuse("view before after --class car", 2, &["cannot be used with"]);
