@@ -241,7 +241,7 @@ impl Stream {
         log_changes(of_side.unwrap_or(self.layers.scans()), name, task, lines)
     }
 
-    /// Writes the end of the file and waits, within limits, until the viewer has everything.
+    /// Writes the ends of its files and waits, within limits, until the viewer has everything.
     ///
     /// # Errors
     ///
