@@ -104,13 +104,13 @@ class Block:
 
 def said(file: Path) -> bytes:
     """What a file says: TOML without its comments and its layout, and of data sets neither where they come from nor those
-    to train on, which no block shows."""
+    to train on, which no block shows, nor those to stream, which have a page of their own."""
     if file.suffix != ".toml":
         return file.read_bytes()
     content = tomllib.loads(file.read_text())
     for part in ("simulated", "groups"):
         if part in content:
-            content[part] = {name: it for name, it in content[part].items() if not name.startswith("training-")}
+            content[part] = {name: it for name, it in content[part].items() if not name.startswith(("training-", "streaming-"))}
     for entry in content.get("recorded", {}).values():
         for name in ("licence", "licence_url", "url", "download"):
             entry.pop(name, None)

@@ -13,6 +13,7 @@ pub mod rows;
 pub mod worst;
 pub mod numbers;
 pub mod uncertainty;
+pub mod streaming;
 pub mod protocols;
 pub mod partial_study;
 pub mod run_folder;

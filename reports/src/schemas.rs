@@ -18,6 +18,7 @@ use crate::rows::kitti_object_row::KittiObjectRow;
 use crate::rows::label_score_row::LabelScoreRow;
 use crate::rows::match_row::MatchRow;
 use crate::rows::partial_row::PartialRow;
+use crate::rows::pose_row::PoseRow;
 use crate::rows::ranked_box_row::RankedBoxRow;
 use crate::rows::scan_row::ScanRow;
 use crate::rows::stage_row::StageRow;
@@ -30,6 +31,7 @@ use crate::tables::studies::box_error_row::{BoxErrorRow, BoxPointsRow, FittedBox
 use crate::tables::studies::curve_row::CurveRow;
 use crate::tables::studies::gap_table::GapRow;
 use crate::tables::studies::robustness_table::ConditionRow;
+use crate::tables::studies::streaming_table::StreamingRow;
 use crate::tables::verdict::comparison::DifferenceRow;
 use crate::verdicts::fitness_verdict::FitnessVerdict;
 
@@ -61,6 +63,7 @@ pub fn csv_files() -> Vec<(&'static str, &'static str, &'static [CsvField])> {
         file::<MatchRow>("run", "matches.csv"),
         file::<ScanRow>("run", "scans.csv"),
         file::<StageRow>("run", "stages.csv"),
+        file::<PoseRow>("run", "poses.csv"),
         file::<ErrorRow>("run", "errors.csv"),
         file::<ConfusionRow>("run", "confusion.csv"),
         file::<PrecisionRecallRow>("run", "precision_recall.csv"),
@@ -77,6 +80,7 @@ pub fn csv_files() -> Vec<(&'static str, &'static str, &'static [CsvField])> {
         file::<AblationRow>("ablation", "ablation.csv"),
         file::<ConditionRow>("robustness", "robustness.csv"),
         file::<GapRow>("gaps", "gaps.csv"),
+        file::<StreamingRow>("streaming", "streaming.csv"),
         file::<FittedBoxRow>("boxes", "boxes.csv"),
         file::<BoxPointsRow>("boxes", "box_points.csv"),
         file::<BoxErrorRow>("boxes", "box_errors.csv"),

@@ -15,5 +15,6 @@ pub mod process;
 pub mod run;
 pub mod protocols;
 pub mod results_mcap;
+pub mod streaming;
 pub mod sweep;
 pub mod reproduction;

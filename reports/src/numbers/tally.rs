@@ -157,6 +157,11 @@ impl Tally {
     /// Adds the outcome of an annotation, a detection or a pair of them. Its scan must have been added before; a row of
     /// another scan is left out.
     pub fn add_match(&mut self, row: &MatchRow) {
+        self.add_match_in(row, None);
+    }
+
+    /// [`Self::add_match`] of an annotation that is in this slice, too.
+    pub fn add_match_in(&mut self, row: &MatchRow, also_in: Option<Slice>) {
         let key = self.key(&row.dataset, row.task, &row.detector);
         let of_sequence = self.scans[key.dataset].get(&row.sequence);
         let Some(block) = of_sequence.and_then(|scans| scans.get(&row.scan)) else { return };
@@ -164,6 +169,7 @@ impl Tally {
         let gathered =
             self.of_key.entry(key).or_insert_with(|| Gathered::of_task(row.task, has_enough_drives));
         let with_own = |mut slices: Vec<Slice>, extents: &Extents| {
+            slices.extend(also_in);
             let own = self.own_slices.iter().filter(|(_, bounds)| bounds.holds(extents));
             slices.extend(own.map(|(slice, _)| Slice::Own(*slice)));
             slices

@@ -22,6 +22,7 @@ mod parameters;
 mod sample_run;
 pub mod run_page;
 pub mod history_page;
+pub mod streaming_page;
 pub mod sweep_page;
 pub mod partial_page;
 pub mod reproduction_page;

@@ -25,6 +25,7 @@ pub mod latency_plot;
 pub mod scene_plot;
 mod curve_panels;
 pub mod history_plot;
+pub mod streaming_plot;
 mod sweep_panels;
 pub mod rate_plot;
 pub mod swept_protocol_plot;

@@ -4,6 +4,7 @@ pub mod counts;
 pub mod scan_name;
 pub mod scan_row;
 pub mod stage_row;
+pub mod pose_row;
 pub mod match_outcome;
 pub mod match_row;
 pub mod confusion_row;

@@ -383,7 +383,6 @@ impl Manifest {
 
     /// An empty tally for rows of this run.
     pub fn tally(&self) -> Tally {
-        let processors = if self.is_of_like_processors() { Processors::Alike } else { Processors::Unlike };
         let of_dataset = |it: &DatasetEntry| {
             let of_scans = it
                 .blocks
@@ -391,11 +390,27 @@ impl Manifest {
                 .flat_map(|(block, scans)| scans.iter().map(move |scan| (scan.clone(), block.clone())));
             (it.id.clone(), of_scans.collect())
         };
+        self.tally_of_moments().with_blocks(self.datasets.iter().map(of_dataset).collect())
+    }
+
+    /// An empty tally for rows that are about the drives of this run, but not about its scans.
+    pub fn tally_of_moments(&self) -> Tally {
+        let processors = if self.is_of_like_processors() { Processors::Alike } else { Processors::Unlike };
         let simulated = self.datasets.iter().filter(|it| it.simulated).map(|it| it.id.clone());
         let slice = |(name, bounds): (&String, &SliceBounds)| Some((OwnSlice::named(name)?, bounds.clone()));
         Tally::of_run(processors, simulated.collect())
             .with_slices(self.slices.iter().filter_map(slice).collect())
-            .with_blocks(self.datasets.iter().map(of_dataset).collect())
+    }
+
+    /// The drives that scans come from where their sequence does not say so, by id of the data set and name of the scan.
+    pub fn named_drives(&self) -> BTreeMap<(&str, String), &str> {
+        let mut drives = BTreeMap::new();
+        for dataset in &self.datasets {
+            for (drive, scans) in &dataset.blocks {
+                drives.extend(scans.iter().map(|scan| ((dataset.id.as_str(), scan.clone()), drive.as_str())));
+            }
+        }
+        drives
     }
 
     /// The content of `manifest.json`.

@@ -20,6 +20,8 @@ pub const SCANS_CSV: &str = "scans.csv";
 pub const MATCHES_CSV: &str = "matches.csv";
 /// How long each stage of a detector took: one row for every scan, detector and stage.
 pub const STAGES_CSV: &str = "stages.csv";
+/// Where the sensor was: one row for every scan whose pose is known.
+pub const POSES_CSV: &str = "poses.csv";
 /// Precision over recall, where detections have scores.
 pub const PRECISION_RECALL_CSV: &str = "precision_recall.csv";
 /// Points that the sensor saw around the worst mistakes.

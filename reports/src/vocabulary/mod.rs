@@ -9,6 +9,7 @@ pub mod taxonomy;
 pub mod task;
 pub mod partial_class;
 pub mod criterion;
+pub mod forecast;
 pub mod reason;
 pub mod formula;
 pub mod metric;

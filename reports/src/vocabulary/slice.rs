@@ -34,6 +34,9 @@ pub enum Slice {
     Points(usize),
     /// Annotations of which other things hide this much. False detections belong to none.
     Occlusion(Occlusion),
+    /// Annotations that move at this speed over ground; index among the bins of speed. False detections belong to none, and
+    /// only [streaming](crate::streaming) knows speeds.
+    Speed(usize),
     /// Annotations at least half of whose points lie outside the labelled region, such as what the border of a camera image
     /// cuts. Counted by points, not by what labels say of their image. False detections belong to none.
     Truncated,
@@ -56,6 +59,10 @@ const RANGES_M: [(&str, f64); 5] =
 /// Names and upper ends, exclusive, of the bins of the number of points.
 const POINTS: [(&str, u64); 4] = [("0-49", 50), ("50-199", 200), ("200-999", 1000), ("1000+", u64::MAX)];
 
+/// Names and upper ends, exclusive, of the bins of speed over ground. What stands still is labelled with a jitter.
+const SPEEDS_M_PER_S: [(&str, f64); 4] =
+    [("0-0.5", 0.5), ("0.5-3", 3.0), ("3-10", 10.0), ("10+", f64::INFINITY)];
+
 impl Slice {
     /// The name used in files, such as `range/15-30`.
     pub fn name(&self) -> String {
@@ -65,6 +72,7 @@ impl Slice {
             Self::Range(bin) => format!("range/{}", RANGES_M[*bin].0),
             Self::Points(bin) => format!("points/{}", POINTS[*bin].0),
             Self::Occlusion(occlusion) => format!("occlusion/{}", occlusion.name()),
+            Self::Speed(bin) => format!("speed/{}", SPEEDS_M_PER_S[*bin].0),
             Self::Truncated => "truncated".to_owned(),
             Self::Tall => "tall".to_owned(),
             Self::Own(own) => format!("own/{own}"),
@@ -82,13 +90,25 @@ impl Slice {
         let ranges = (0..RANGES_M.len()).map(Self::Range);
         let points = (0..POINTS.len()).map(Self::Points);
         let occlusions = Occlusion::ALL.into_iter().map(Self::Occlusion);
+        let speeds = (0..SPEEDS_M_PER_S.len()).map(Self::Speed);
         let others = [Self::All, Self::Truncated, Self::Tall];
-        others.into_iter().chain(ranges).chain(points).chain(occlusions).find(|it| it.name() == name)
+        others
+            .into_iter()
+            .chain(ranges)
+            .chain(points)
+            .chain(speeds)
+            .chain(occlusions)
+            .find(|it| it.name() == name)
     }
 
     /// The slice of objects that are `range_m` away; `None` if that is not a number.
     pub fn of_range(range_m: f64) -> Option<Self> {
         RANGES_M.iter().position(|&(_, end_m)| range_m < end_m).map(Self::Range)
+    }
+
+    /// The slice of objects that move at this speed over ground; `None` if that is not a number.
+    pub fn of_speed(speed_m_per_s: f64) -> Option<Self> {
+        SPEEDS_M_PER_S.iter().position(|&(_, end)| speed_m_per_s < end).map(Self::Speed)
     }
 
     /// The slice of objects with `n_points` points.
@@ -124,9 +144,10 @@ impl Ord for Slice {
             Self::Range(bin) => (2, bin, ""),
             Self::Points(bin) => (3, bin, ""),
             Self::Occlusion(occlusion) => (4, 0, occlusion.name()),
-            Self::Truncated => (5, 0, ""),
-            Self::Tall => (6, 0, ""),
-            Self::Own(own) => (7, 0, own.name()),
+            Self::Speed(bin) => (5, bin, ""),
+            Self::Truncated => (6, 0, ""),
+            Self::Tall => (7, 0, ""),
+            Self::Own(own) => (8, 0, own.name()),
         };
         key(self).cmp(&key(other))
     }
@@ -169,6 +190,7 @@ mod tests {
             "class/parked-cycle",
             "range/80+",
             "points/1000+",
+            "speed/0.5-3",
             "occlusion/partly",
             "tall",
             "own/corridor",

@@ -16,6 +16,7 @@ pub mod eligibility;
 mod ignored_detections;
 pub mod detection_order;
 mod judged_slice;
+pub mod pairing;
 pub mod assign;
 pub mod lost_points;
 pub mod mistake;

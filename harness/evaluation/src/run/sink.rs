@@ -1,5 +1,6 @@
 //! Sinks: they watch a run scan by scan.
 
+use reports::rows::pose_row::PoseRow;
 use scans::annotation::ScanId;
 use scans::dataset::{Dataset, DatasetDescription, DatasetError};
 
@@ -109,6 +110,30 @@ impl<'a> JudgedScan<'a> {
     /// Its number among all selected scans of the run, from 0, whichever part of them is run.
     pub fn number(&self) -> usize {
         self.watched.n_before + self.results.run_idx
+    }
+
+    /// Where the sensor was, if the data set says so.
+    ///
+    /// # Errors
+    ///
+    /// If the file that says so is damaged.
+    pub fn pose_row(&self) -> Result<Option<PoseRow>, DatasetError> {
+        let pose = self.watched.dataset.world_from_sensor(self.scan_idx())?;
+        Ok(pose.map(|it| {
+            let ([x_m, y_m, z_m], turn) = (it.translation.vector.into(), it.rotation.coords);
+            PoseRow {
+                dataset: self.dataset().id.clone(),
+                sequence: self.results.scan.id.sequence.clone(),
+                scan: self.results.scan.id.index,
+                x_m,
+                y_m,
+                z_m,
+                qx: turn.x,
+                qy: turn.y,
+                qz: turn.z,
+                qw: turn.w,
+            }
+        }))
     }
 
     /// Description of its data set.

@@ -27,6 +27,7 @@ pub mod changed_scans;
 pub mod suspect_project;
 pub mod suspects;
 pub mod view;
+pub mod streaming;
 pub mod history;
 pub mod gate;
 pub mod gate_workflow;
@@ -124,6 +125,8 @@ pub enum Command {
     Suspects(suspects::SuspectsArgs),
     /// Check a run against the baseline: fail if it is worse or results changed
     Gate(GateArgs),
+    /// Judge the answers of a run at every moment, as late as they are
+    Streaming(streaming::StreamingArgs),
     /// Show what became of the numbers of a branch: trends, and the runs where they changed
     History(history::HistoryArgs),
     /// Make and replace the baseline of `gate`
@@ -271,6 +274,7 @@ pub fn dispatch(cli: &Cli) -> Result<(), Failure> {
         Command::View(arguments) => view::view(arguments),
         Command::Suspects(arguments) => suspects::suspects(arguments),
         Command::Gate(arguments) => gate::gate(arguments),
+        Command::Streaming(arguments) => streaming::streaming(arguments),
         Command::History(arguments) => history::history(arguments),
         Command::Baseline(BaselineCommand::Init(arguments)) => baseline::baseline_init(arguments),
         Command::Baseline(BaselineCommand::Accept(arguments)) => baseline::baseline_accept(arguments),

@@ -10,6 +10,7 @@ pub mod gap_table;
 pub mod box_error_row;
 pub mod box_table;
 pub mod robustness_table;
+pub mod streaming_table;
 pub mod curve_row;
 pub mod agreement;
 pub mod partial_findings;

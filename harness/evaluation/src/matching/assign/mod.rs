@@ -1,7 +1,7 @@
 //! Outcome of each annotation and each detection of one scan.
 
 use detector::Detections;
-use reports::vocabulary::reason::{FalseReason, IgnoredAnnotation, IgnoredDetection, MissReason};
+use reports::vocabulary::reason::{FalseReason, IgnoredDetection, MissReason};
 use reports::vocabulary::task::Task;
 use scans::annotation::LabeledScan;
 use scans::dataset::AnnotatedClasses;
@@ -9,10 +9,11 @@ use scans::dataset::AnnotatedClasses;
 use crate::matching::criterion::Criterion;
 use crate::matching::detection_order::detection_ranks;
 use crate::matching::eligibility::{EligibilityParams, asks_for, exclusions};
-use crate::matching::hungarian::{AdmissiblePair, match_pairs};
+use crate::matching::hungarian::AdmissiblePair;
 use crate::matching::ignored_detections::UnjudgedPositions;
 use crate::matching::judged_slice::judge_only;
 use crate::matching::outcome::{AnnotationOutcome, Assignment, DetectionOutcome, FoundTall};
+use crate::matching::pairing::Pairing;
 use crate::matching::point_overlap::PointOverlap;
 
 /// How scans are judged.
@@ -44,29 +45,8 @@ pub fn assign(
     let admissible = params.criterion.admissible_pairs(scan, detections, &overlap);
     let ranks = detection_ranks(detections);
     let is_asked: Vec<bool> = detections.iter().map(|it| asks_for(task, &it)).collect();
-    let counts =
-        |pair: &AdmissiblePair| is_asked[pair.detection_idx] && exclusions[pair.annotation_idx].is_none();
-    let matched = match_by_rank(&admissible, &ranks, counts);
-
-    let tall = Some(AnnotationOutcome::Ignored(IgnoredAnnotation::Tall));
-    let mut is_left_over = is_asked.clone();
-    for pair in &matched {
-        is_left_over[pair.detection_idx] = false;
-    }
-    let may_find_tall =
-        |pair: &AdmissiblePair| is_left_over[pair.detection_idx] && exclusions[pair.annotation_idx] == tall;
-    let found_tall = match_by_rank(&admissible, &ranks, may_find_tall);
-    for pair in &found_tall {
-        is_left_over[pair.detection_idx] = false;
-    }
-    let is_ignored = |annotation_idx: usize| {
-        matches!(exclusions[annotation_idx], Some(AnnotationOutcome::Ignored(_)))
-            && exclusions[annotation_idx] != tall
-    };
-    let may_find_ignored =
-        |pair: &AdmissiblePair| is_left_over[pair.detection_idx] && is_ignored(pair.annotation_idx);
-    let found_ignored = match_by_rank(&admissible, &ranks, may_find_ignored);
-
+    let Pairing { matched, found_tall, found_ignored } =
+        Pairing::choose(&admissible, &ranks, &is_asked, &exclusions);
     let scene = Scene { scan, detections, task, is_asked, overlap, exclusions, admissible };
     let assignment = Assignment {
         task,
@@ -84,25 +64,6 @@ pub fn assign(
         Some(slice) => judge_only(slice, scan, detections, assignment),
         None => assignment,
     }
-}
-
-/// Best match of those `pairs` that are `admitted`; ties are broken by the ranks of the detections.
-fn match_by_rank(
-    pairs: &[AdmissiblePair],
-    ranks: &[usize],
-    admitted: impl Fn(&AdmissiblePair) -> bool,
-) -> Vec<AdmissiblePair> {
-    let competing: Vec<AdmissiblePair> = pairs
-        .iter()
-        .filter(|it| admitted(it))
-        .map(|it| AdmissiblePair { detection_idx: ranks[it.detection_idx], ..*it })
-        .collect();
-    let mut detection_of_rank = vec![0; ranks.len()];
-    for (detection_idx, rank) in ranks.iter().enumerate() {
-        detection_of_rank[*rank] = detection_idx;
-    }
-    let matched = match_pairs(&competing).into_iter();
-    matched.map(|it| AdmissiblePair { detection_idx: detection_of_rank[it.detection_idx], ..it }).collect()
 }
 
 fn found_tall_of(AdmissiblePair { annotation_idx, detection_idx, cost }: AdmissiblePair) -> FoundTall {

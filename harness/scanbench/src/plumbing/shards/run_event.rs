@@ -7,6 +7,7 @@ use reports::files::csv_rows::csv_text;
 use reports::rows::agreement_row::AgreementRow;
 use reports::rows::match_row::MatchRow;
 use reports::rows::official_rows::OfficialRows;
+use reports::rows::pose_row::PoseRow;
 use reports::rows::scan_row::ScanRow;
 use reports::rows::stage_row::StageRow;
 use reports::run_folder::shard_record::ShardRecording;
@@ -66,6 +67,9 @@ pub struct ScanEvent {
     /// Rows of `stages.csv`.
     #[serde(with = "csv_text")]
     pub stages: Vec<StageRow>,
+    /// Row of `poses.csv`, if the pose is known.
+    #[serde(with = "csv_text", default)]
+    pub pose: Vec<PoseRow>,
     /// Rows under protocols of others.
     pub official: OfficialRows,
     /// How far detectors agree; empty for a labelled scan.

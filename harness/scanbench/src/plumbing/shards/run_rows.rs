@@ -13,13 +13,14 @@ use reports::rows::agreement_row::{AgreementRow, add_agreement};
 use reports::rows::kitti_object_row::KittiObjectRow;
 use reports::rows::label_score_row::LabelScoreRow;
 use reports::rows::match_row::MatchRow;
+use reports::rows::pose_row::PoseRow;
 use reports::rows::ranked_box_row::RankedBoxRow;
 use reports::rows::scan_row::ScanRow;
 use reports::rows::stage_row::StageRow;
 use reports::run_folder::manifest::Manifest;
 use reports::run_folder::run_directory::{
-    KITTI_OBJECT_CSV, MATCHES_CSV, PROTOCOL_BOXES_CSV, PROTOCOL_FILES, PROTOCOL_LABELS_CSV, RunDirectory,
-    SCANS_CSV, STAGES_CSV, protocol_file,
+    KITTI_OBJECT_CSV, MATCHES_CSV, POSES_CSV, PROTOCOL_BOXES_CSV, PROTOCOL_FILES, PROTOCOL_LABELS_CSV,
+    RunDirectory, SCANS_CSV, STAGES_CSV, protocol_file,
 };
 use reports::run_folder::shard_record::processors_of;
 use reports::worst::objects::ObjectName;
@@ -41,6 +42,7 @@ pub struct RowFiles {
     scans: CsvRowWriter<ScanRow>,
     matches: CsvRowWriter<MatchRow>,
     stages: CsvRowWriter<StageRow>,
+    poses: CsvRowWriter<PoseRow>,
     // For those protocols of others that were asked for.
     boxes: Option<CsvRowWriter<RankedBoxRow>>,
     kitti: Option<CsvRowWriter<KittiObjectRow>>,
@@ -70,6 +72,7 @@ impl RunRows {
                 scans: begin(folder, SCANS_CSV)?,
                 matches: begin(folder, MATCHES_CSV)?,
                 stages: begin(folder, STAGES_CSV)?,
+                poses: begin(folder, POSES_CSV)?,
                 boxes: begin_if(is_asked(PROTOCOL_BOXES_CSV), folder, PROTOCOL_BOXES_CSV)?,
                 kitti: begin_if(is_asked(KITTI_OBJECT_CSV), folder, KITTI_OBJECT_CSV)?,
                 labels: begin_if(is_asked(PROTOCOL_LABELS_CSV), folder, PROTOCOL_LABELS_CSV)?,
@@ -120,6 +123,7 @@ impl RowFiles {
         scan.scans.iter().try_for_each(|row| self.scans.write(row))?;
         scan.matches.iter().try_for_each(|row| self.matches.write(row))?;
         scan.stages.iter().try_for_each(|row| self.stages.write(row))?;
+        scan.pose.iter().try_for_each(|row| self.poses.write(row))?;
         write_all(&mut self.boxes, &scan.official.boxes)?;
         write_all(&mut self.kitti, &scan.official.kitti)?;
         write_all(&mut self.labels, &scan.official.labels)
@@ -129,6 +133,7 @@ impl RowFiles {
         self.scans.finish()?;
         self.matches.finish()?;
         self.stages.finish()?;
+        self.poses.finish()?;
         self.boxes.map_or(Ok(()), CsvRowWriter::finish)?;
         self.kitti.map_or(Ok(()), CsvRowWriter::finish)?;
         self.labels.map_or(Ok(()), CsvRowWriter::finish)
@@ -141,7 +146,7 @@ impl RowFiles {
         if folder == directory.folder() {
             return Ok(());
         }
-        for name in [SCANS_CSV, MATCHES_CSV, STAGES_CSV].into_iter().chain(PROTOCOL_FILES) {
+        for name in [SCANS_CSV, MATCHES_CSV, STAGES_CSV, POSES_CSV].into_iter().chain(PROTOCOL_FILES) {
             let (from, path) = (folder.join(name), directory.path_of(name));
             if from.is_file() {
                 add_name(&from, &path).map_err(|source| ArchiveError::Write { path, source })?;

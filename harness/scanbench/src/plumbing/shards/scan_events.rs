@@ -110,6 +110,7 @@ impl RunSink<Failure> for ScanEvents<'_> {
             scans: tasks.iter().map(|it| it.scan.clone()).collect(),
             matches: tasks.iter().flat_map(|it| &it.matches).cloned().collect(),
             stages: judged.rows.iter().flat_map(|it| &it.stages).cloned().collect(),
+            pose: judged.pose_row()?.into_iter().collect(),
             official: self.official_rows(judged)?,
             agreement: if scan.is_labeled() { Vec::new() } else { agreement_of(judged) },
             patches: self.patches(judged),

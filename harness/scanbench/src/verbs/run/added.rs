@@ -11,6 +11,7 @@ use reports::rows::kitti_object_row::KittiObjectRow;
 use reports::rows::label_score_row::LabelScoreRow;
 use reports::rows::match_row::MatchRow;
 use reports::rows::official_rows::OfficialRows;
+use reports::rows::pose_row::PoseRow;
 use reports::rows::ranked_box_row::RankedBoxRow;
 use reports::rows::scan_row::ScanRow;
 use reports::rows::stage_row::StageRow;
@@ -18,8 +19,9 @@ use reports::run_folder::command_line::joined_command;
 use reports::run_folder::manifest::Manifest;
 use reports::run_folder::run_archive::RunArchive;
 use reports::run_folder::run_directory::{
-    AGREEMENT_CSV, KITTI_OBJECT_CSV, MATCHES_CSV, PROTOCOL_BOXES_CSV, PROTOCOL_LABELS_CSV, RECORDING,
-    RECORDINGS_JSON, RunDirectory, SCANS_CSV, STAGES_CSV, VIEWER, VIEWER_PLACES_JSON, WORST_POINTS_JSON,
+    AGREEMENT_CSV, KITTI_OBJECT_CSV, MATCHES_CSV, POSES_CSV, PROTOCOL_BOXES_CSV, PROTOCOL_LABELS_CSV,
+    RECORDING, RECORDINGS_JSON, RunDirectory, SCANS_CSV, STAGES_CSV, VIEWER, VIEWER_PLACES_JSON,
+    WORST_POINTS_JSON,
 };
 use reports::run_folder::run_target::{ClaimedTarget, ExistingTarget, LatestPointer};
 use reports::verdicts::comparability::check_joinable;
@@ -176,16 +178,17 @@ type ByScan<Row> = BTreeMap<ScanKey, Vec<Row>>;
 fn events(runs: [&Path; 2], manifest: &Manifest) -> Result<Vec<RunEvent>, ArchiveError> {
     let scans: Vec<ScanRow> = read_rows(&runs[0].join(SCANS_CSV))?;
     let order = scans_in_order(&scans);
-    let mut scans = by_scan::<ScanRow>(runs, SCANS_CSV, |it| (&it.dataset, &it.sequence, it.scan))?;
-    let mut matches = by_scan(runs, MATCHES_CSV, |it: &MatchRow| (&it.dataset, &it.sequence, it.scan))?;
-    let mut stages = by_scan(runs, STAGES_CSV, |it: &StageRow| (&it.dataset, &it.sequence, it.scan))?;
-    let mut boxes = by_scan(runs, PROTOCOL_BOXES_CSV, |it: &RankedBoxRow| {
+    let mut scans = by_scan::<ScanRow>(&runs, SCANS_CSV, |it| (&it.dataset, &it.sequence, it.scan))?;
+    let mut matches = by_scan(&runs, MATCHES_CSV, |it: &MatchRow| (&it.dataset, &it.sequence, it.scan))?;
+    let mut stages = by_scan(&runs, STAGES_CSV, |it: &StageRow| (&it.dataset, &it.sequence, it.scan))?;
+    let mut poses = by_scan(&runs[..1], POSES_CSV, |it: &PoseRow| (&it.dataset, &it.sequence, it.scan))?;
+    let mut boxes = by_scan(&runs, PROTOCOL_BOXES_CSV, |it: &RankedBoxRow| {
         (&it.scan.dataset, &it.scan.sequence, it.scan.scan)
     })?;
-    let mut kitti = by_scan(runs, KITTI_OBJECT_CSV, |it: &KittiObjectRow| {
+    let mut kitti = by_scan(&runs, KITTI_OBJECT_CSV, |it: &KittiObjectRow| {
         (&it.scan.dataset, &it.scan.sequence, it.scan.scan)
     })?;
-    let mut labels = by_scan(runs, PROTOCOL_LABELS_CSV, |it: &LabelScoreRow| {
+    let mut labels = by_scan(&runs, PROTOCOL_LABELS_CSV, |it: &LabelScoreRow| {
         (&it.scan.dataset, &it.scan.sequence, it.scan.scan)
     })?;
     let mut patches = Vec::new();
@@ -208,6 +211,7 @@ fn events(runs: [&Path; 2], manifest: &Manifest) -> Result<Vec<RunEvent>, Archiv
             scans: scans.remove(&key).unwrap_or_default(),
             matches: matches.remove(&key).unwrap_or_default(),
             stages: stages.remove(&key).unwrap_or_default(),
+            pose: poses.remove(&key).unwrap_or_default(),
             official: OfficialRows {
                 boxes: boxes.remove(&key).unwrap_or_default(),
                 kitti: kitti.remove(&key).unwrap_or_default(),
@@ -219,14 +223,14 @@ fn events(runs: [&Path; 2], manifest: &Manifest) -> Result<Vec<RunEvent>, Archiv
     Ok((0..).zip(order).map(event).collect())
 }
 
-/// The rows of the file `name` of both runs, those of the first before those of the second; none where there is no file.
+/// The rows of the file `name` of these runs, those of the first before those of the second; none where there is no file.
 fn by_scan<Row: CsvRow>(
-    runs: [&Path; 2],
+    runs: &[&Path],
     name: &str,
     key: impl Fn(&Row) -> (&String, &String, u32),
 ) -> Result<ByScan<Row>, ArchiveError> {
     let mut rows: ByScan<Row> = BTreeMap::new();
-    for path in runs.map(|it| it.join(name)).into_iter().filter(|it| it.is_file()) {
+    for path in runs.iter().map(|it| it.join(name)).filter(|it| it.is_file()) {
         for row in read_rows::<Row>(&path)? {
             let (dataset, sequence, scan) = key(&row);
             rows.entry((dataset.clone(), sequence.clone(), scan)).or_default().push(row);

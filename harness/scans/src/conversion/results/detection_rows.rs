@@ -60,6 +60,12 @@ pub fn box_facts(bounding_box: &OrientedBox) -> BoxFacts {
     }
 }
 
+/// The box of these facts.
+pub fn oriented_box(facts: &BoxFacts) -> OrientedBox {
+    let BoxFacts { center_m, length_width_height_m, yaw_rad } = *facts;
+    OrientedBox { center_m, length_width_height_m, yaw_rad }
+}
+
 /// For every point of a scan of `n_points` points, the index of its detection; of several the last.
 pub fn clusters_of_points(detections: &Detections, n_points: usize) -> Vec<Option<u32>> {
     let mut cluster_of_point = vec![None; n_points];

@@ -1,0 +1,280 @@
+//! `scanbench streaming`: what the detections of a run are worth while the world moves on.
+
+use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
+use std::str::FromStr;
+use std::sync::atomic::Ordering;
+
+use clap::{Args, ValueEnum};
+use evaluation::matching::criterion::Criterion;
+use evaluation::run::side_by_side::RunError;
+use evaluation::streaming::latencies::{LatencySource, NoLatency};
+use evaluation::streaming::logged_drive::{LoggedDrive, NoStream, logged_drives};
+use evaluation::streaming::stream_study::StreamStudy;
+use reports::files::csv_rows::{read_rows, to_csv_bytes};
+use reports::files::whole_set::WholeSet;
+use reports::pages::streaming_page::StreamingPage;
+use reports::rows::scan_row::ScanRow;
+use reports::run_folder::command_line::shell_word;
+use reports::run_folder::run_archive::RunArchive;
+use reports::run_folder::run_directory::{FIGURES, POSES_CSV};
+use reports::streaming::streamed::Streamed;
+use reports::tables::formats::format::Format as _;
+use reports::tables::studies::streaming_table::{StreamingRow, StreamingTable};
+use reports::vocabulary::task::Task;
+
+use crate::cli::help_text::{DETECTORS, JUDGING, OUTPUT};
+use crate::plumbing::failure::{Failure, NothingEvaluated, Usage};
+use crate::plumbing::interruption::interruption_flag;
+use crate::plumbing::open_run::{open_run, refuse_unknown};
+use crate::plumbing::progress::progress_over_results;
+use crate::plumbing::run_manifest::criterion_in_words;
+use crate::plumbing::standard_streams::{print_diagnostic, print_text, terminal};
+use crate::verbs::worst_scans::task_named;
+
+/// Arguments of `scanbench streaming`.
+#[derive(Debug, Args)]
+#[command(after_help = EXAMPLES)]
+pub struct StreamingArgs {
+    /// Run directory; its scans follow one another closely
+    #[arg(value_name = "RUN")]
+    pub run: PathBuf,
+    /// Detectors [default: all of the run]
+    #[arg(short, long, value_name = "NAMES", value_delimiter = ',', help_heading = DETECTORS)]
+    pub detectors: Vec<String>,
+    /// Time of detection of every scan, instead of the measured ones, such as `mine=120ms`; may be repeated
+    #[arg(long = "latency", value_name = "NAME=TIME", help_heading = DETECTORS)]
+    pub latencies: Vec<LatencyOption>,
+    /// Take the times of detection from this run of the same scans, on another machine
+    #[arg(long, value_name = "RUN", help_heading = DETECTORS)]
+    pub latencies_of: Option<PathBuf>,
+    /// Tasks: objects, vehicles, or classes [default: all of the run]
+    #[arg(long, value_name = "NAMES", value_delimiter = ',', help_heading = JUDGING)]
+    pub task: Vec<String>,
+    /// When a box is good enough
+    #[arg(long, value_enum, value_name = "RULE", default_value = "centre", help_heading = JUDGING)]
+    pub criterion: BoxCriterion,
+    /// Time from one moment to the next
+    #[arg(long, value_name = "TIME", default_value = "10ms", value_parser = clock_ms, help_heading = JUDGING)]
+    pub clock: f64,
+    /// Directory for streaming.csv, streaming.html and figures/ [default: the run directory]
+    #[arg(short, long, value_name = "DIR", help_heading = OUTPUT)]
+    pub output: Option<PathBuf>,
+}
+
+/// Names of the criteria by boxes.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub enum BoxCriterion {
+    /// Centres less than 2 m apart, seen from above
+    Centre,
+    /// Boxes seen from above: intersection over union of at least 0.5
+    BevIou,
+    /// Boxes in space: intersection over union of at least 0.5
+    #[value(name = "iou-3d")]
+    Iou3d,
+}
+
+impl BoxCriterion {
+    fn criterion(self) -> Criterion {
+        match self {
+            Self::Centre => Criterion::CENTRE,
+            Self::BevIou => Criterion::BEV_IOU,
+            Self::Iou3d => Criterion::IOU_3D,
+        }
+    }
+}
+
+/// A detector and its time of detection.
+#[derive(Debug, Clone, PartialEq)]
+pub struct LatencyOption {
+    /// Name of the detector.
+    pub detector: String,
+    /// Its time in milliseconds.
+    pub latency_ms: f64,
+}
+
+impl FromStr for LatencyOption {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        let (detector, time) = text.rsplit_once('=').ok_or("write NAME=TIME, such as mine=120ms")?;
+        Ok(Self { detector: detector.to_owned(), latency_ms: time_ms(time)? })
+    }
+}
+
+/// A time such as `120ms` or `0.5s`, in milliseconds.
+fn time_ms(text: &str) -> Result<f64, String> {
+    let number = |digits: &str, ms: f64| digits.trim().parse().ok().map(|it: f64| it * ms);
+    let time_ms = match text.strip_suffix("ms") {
+        Some(digits) => number(digits, 1.0),
+        None => text.strip_suffix('s').and_then(|digits| number(digits, 1000.0)),
+    };
+    time_ms
+        .filter(|it| (0.0..=60_000.0).contains(it))
+        .ok_or_else(|| format!("{text:?} is no time from 0 to 60 s: write 120ms or 0.12s"))
+}
+
+fn clock_ms(text: &str) -> Result<f64, String> {
+    let clock_ms = time_ms(text)?;
+    if (1.0..=1000.0).contains(&clock_ms) { Ok(clock_ms) } else { Err("not from 1 ms to 1 s".to_owned()) }
+}
+
+const EXAMPLES: &str = "\
+Examples:
+  scanbench run streaming-streets && scanbench streaming runs/latest
+  scanbench streaming runs/kitti --criterion bev-iou --task vehicles
+  scanbench streaming runs/mine --latency mine=120ms
+  scanbench streaming runs/laptop --latencies-of runs/in-the-car
+
+A clock goes through each drive. A detector takes the newest scan when it is free, and
+its answer is known from when it is done until the next. At every moment the newest
+answer is judged against where things are then: labels interpolated along their tracks.
+Nothing is detected again. Needs boxes, tracks and times, scans at most 0.25 s apart.
+docs/streaming.md says more.";
+
+/// Judges the answers of a run at every moment, and shows what they are worth.
+pub fn streaming(arguments: &StreamingArgs) -> Result<(), Failure> {
+    let run = open_run(&arguments.run)?;
+    let elsewhere = arguments.latencies_of.as_deref().map(open_run).transpose()?;
+    let made = Made::of(arguments, &run, elsewhere.as_ref().map(|it| &it.scans[..]))?;
+    let criterion = criterion_in_words(arguments.criterion.criterion());
+    let table = StreamingTable { streamed: &made.streamed, matched_by: &criterion, notes: &made.notes };
+    let output = arguments.output.as_deref().unwrap_or(&arguments.run);
+    write(&table, arguments, output)?;
+    print_text(&terminal().text(&table))?;
+    print_diagnostic(format_args!("Page: {}", output.join("streaming.html").display()));
+    Ok(())
+}
+
+fn write(table: &StreamingTable<'_>, arguments: &StreamingArgs, output: &Path) -> Result<(), Failure> {
+    let files = WholeSet::within(output)?;
+    let rows: Vec<StreamingRow> = table.streamed.iter().flat_map(StreamingRow::all).collect();
+    files.write("streaming.csv", &to_csv_bytes(&rows)?)?;
+    let words: Vec<String> = std::env::args().skip(1).map(|it| shell_word(&it)).collect();
+    let name = arguments.run.file_name().unwrap_or(arguments.run.as_os_str()).to_string_lossy();
+    let page = StreamingPage::of(table, &name, &format!("scanbench {}", words.join(" ")));
+    files.write("streaming.html", page.html.as_bytes())?;
+    for figure in &page.figures {
+        files.write(&format!("{FIGURES}/{}.svg", figure.file_stem), figure.svg.as_bytes())?;
+    }
+    files.finish()?;
+    Ok(())
+}
+
+/// The numbers, and what else has to be said of them.
+struct Made {
+    streamed: Vec<Streamed>,
+    notes: Vec<String>,
+}
+
+impl Made {
+    fn of(
+        arguments: &StreamingArgs,
+        run: &RunArchive,
+        elsewhere: Option<&[ScanRow]>,
+    ) -> Result<Self, Failure> {
+        let known = run.detector_names();
+        let asked: Vec<&str> = arguments.detectors.iter().map(String::as_str).collect();
+        let fixed = arguments.latencies.iter().map(|it| it.detector.as_str());
+        asked.iter().copied().chain(fixed).try_for_each(|it| refuse_unknown("detector", it, &known))?;
+        let detectors = if asked.is_empty() { known } else { asked };
+        let tasks: Vec<Task> = match &arguments.task[..] {
+            [] => run.tally().tasks().to_vec(),
+            named => named.iter().map(|it| task_named(run, it)).collect::<Result<_, _>>()?,
+        };
+        let (drives, mut notes) = drives_of(run, &arguments.run, &detectors)?;
+        let source = LatencySource {
+            fixed_ms: arguments.latencies.iter().map(|it| (it.detector.clone(), it.latency_ms)).collect(),
+            elsewhere,
+        };
+        let latencies = source.latencies(&drives, &detectors).map_err(|NoLatency { detector }| {
+            Usage(format!(
+                "no time of detection of {detector} is known: give it with --latency {detector}=120ms"
+            ))
+        })?;
+        notes.extend(about_times(arguments, run));
+        let study = StreamStudy {
+            drives: &drives,
+            detectors: &detectors,
+            tasks: &tasks,
+            latencies: &latencies,
+            criterion: arguments.criterion.criterion(),
+            step_us: (1000.0 * arguments.clock).round() as i64,
+            is_in_full: true,
+        };
+        notes.push(format!(
+            "{} drives, {} scans, a moment every {} ms.",
+            drives.len(),
+            drives.iter().map(|it| it.scans.len()).sum::<usize>(),
+            arguments.clock
+        ));
+        let progress = progress_over_results(drives.len(), 0, "drives");
+        let mut n_done = 0;
+        let result = study.run(
+            || run.manifest.tally_of_moments(),
+            || {
+                progress.inc(1);
+                n_done += 1;
+                let is_interrupted = interruption_flag().load(Ordering::Relaxed);
+                if is_interrupted {
+                    Err(RunError::Interrupted { n_done, n_scans: drives.len() })
+                } else {
+                    Ok(())
+                }
+            },
+        )?;
+        progress.finish_and_clear();
+        let streamed = Streamed::all(&result.per_scan, &result.streamed, &result.sums);
+        if streamed.iter().all(|it| it.streamed.no() == 0) {
+            let reason = "no object that counts can be followed: it needs boxes and tracks".to_owned();
+            return Err(NothingEvaluated { reason }.into());
+        }
+        Ok(Self { streamed, notes })
+    }
+}
+
+/// The drives of a run, and what has to be said of them.
+fn drives_of(
+    run: &RunArchive,
+    directory: &Path,
+    detectors: &[&str],
+) -> Result<(Vec<LoggedDrive>, Vec<String>), Failure> {
+    let poses_csv = directory.join(POSES_CSV);
+    let poses = if poses_csv.is_file() { read_rows(&poses_csv) } else { Ok(Vec::new()) };
+    let poses = poses.map_err(|error| Failure::damaged_run(directory, error))?;
+    let named = run.manifest.named_drives();
+    let drive_of = |row: &ScanRow| {
+        let name = format!("{}/{:06}", row.sequence, row.scan);
+        named.get(&(row.dataset.as_str(), name)).map_or_else(|| row.sequence.clone(), |it| (*it).to_owned())
+    };
+    let (drives, left_out) = logged_drives(detectors, (&run.scans, &run.matches, &poses), drive_of);
+    let words = |NoStream { dataset, reason }: &NoStream| format!("{dataset} {reason}");
+    let mut notes: Vec<String> = left_out.iter().map(|it| format!("Left out: {}.", words(it))).collect();
+    if drives.is_empty() {
+        let reasons: Vec<String> = left_out.iter().map(words).collect();
+        let reason = format!("{}; of streets, `streaming-streets` are a stream", reasons.join("; "));
+        return Err(NothingEvaluated { reason }.into());
+    }
+    let mut without: BTreeMap<&str, usize> = BTreeMap::new();
+    for it in drives.iter().filter(|it| !it.has_poses) {
+        *without.entry(&it.dataset).or_default() += 1;
+    }
+    notes.extend(without.iter().map(|(dataset, n)| {
+        format!("Of {n} drives of {dataset} the car's motion is unknown: boxes are held there, and speeds are unknown.")
+    }));
+    Ok((drives, notes))
+}
+
+/// Where times of detection come from.
+fn about_times(arguments: &StreamingArgs, run: &RunArchive) -> Vec<String> {
+    let mut about: Vec<String> = arguments
+        .latencies
+        .iter()
+        .map(|it| format!("The time of {} is set to {} ms.", it.detector, it.latency_ms))
+        .collect();
+    about.push(match &arguments.latencies_of {
+        Some(path) => format!("Times of detection are those of {}.", path.display()),
+        None => format!("Times of detection as measured on {}.", run.manifest.machine.cpu_model),
+    });
+    about
+}
