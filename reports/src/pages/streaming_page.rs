@@ -7,7 +7,7 @@ use super::markup::{Figure, titled_tables, wide_picture};
 use crate::plots::streaming_plot::streaming_plot;
 use crate::streaming::streamed::Streamed;
 use crate::tables::sheet::Tabular as _;
-use crate::tables::studies::streaming_table::StreamingTable;
+use crate::tables::studies::streaming_table::{StreamingTable, is_one_of_several};
 
 /// The page of a study.
 #[derive(Debug, Clone, PartialEq)]
@@ -50,9 +50,7 @@ fn caption() -> Markup {
 fn figures(streamed: &[Streamed]) -> Vec<Figure> {
     let mut extents: Vec<&Streamed> = Vec::new();
     for it in streamed {
-        let is_single_of_several = !it.extent.is_overall()
-            && streamed.iter().any(|other| other.extent.is_overall() && other.origin == it.origin);
-        if !is_single_of_several && extents.iter().all(|known| known.extent != it.extent) {
+        if !is_one_of_several(it, streamed) && extents.iter().all(|known| known.extent != it.extent) {
             extents.push(it);
         }
     }

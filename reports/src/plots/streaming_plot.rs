@@ -33,9 +33,11 @@ pub fn streaming_plot(streamed: &[&Streamed], of: &str) -> Option<String> {
             title: task.name().to_owned(),
             series: series.collect(),
             x_words: Some(words),
-            notes: vec![Note::Upright(this, "the machine of the times".to_owned())],
+            // The words at the line stand above all curves.
+            y_range: Some([0.0, 110.0]),
+            notes: vec![Note::Upright(this, "measured here".to_owned())],
             ..CurvePanel::over(
-                "times as fast as the machine of the times",
+                "speed of the computer, as a multiple of the one that was measured on",
                 format!("{}, streaming (%)", if is_known { "F-rate" } else { "recall" }),
             )
         })

@@ -14,8 +14,8 @@ use crate::rows::partial_row::PartialRow;
 use crate::rows::scan_row::ScanRow;
 use crate::run_folder::manifest::Manifest;
 use crate::run_folder::run_directory::{
-    KITTI_OBJECT_CSV, MATCHES_CSV, PARTIAL_CSV, PROTOCOL_BOXES_CSV, PROTOCOL_FILES, PROTOCOL_LABELS_CSV,
-    REPORT_JSON, REPRODUCTION_JSON, SCANS_CSV,
+    KITTI_OBJECT_CSV, MATCHES_CSV, PARTIAL_CSV, POSES_CSV, PROTOCOL_BOXES_CSV, PROTOCOL_FILES,
+    PROTOCOL_LABELS_CSV, REPORT_JSON, REPRODUCTION_JSON, SCANS_CSV,
 };
 use crate::run_folder::run_target::MANIFEST_JSON;
 use crate::vocabulary::claim_verdict::ClaimVerdict;
@@ -147,8 +147,8 @@ fn claims(path: &Path) -> Result<Vec<ClaimRecord>, ArchiveError> {
     read_json(path).map(|it: Reproduction| it.claims)
 }
 
-/// The files of rows under protocols of others, and of claims, that `directory` has.
+/// The files of rows under protocols of others, of claims, and of poses, that `directory` has.
 fn more_files(directory: &Path) -> Vec<PathBuf> {
-    let names = PROTOCOL_FILES.into_iter().chain([REPRODUCTION_JSON]);
+    let names = PROTOCOL_FILES.into_iter().chain([REPRODUCTION_JSON, POSES_CSV]);
     names.map(|it| directory.join(it)).filter(|it| it.is_file()).collect()
 }

@@ -15,10 +15,11 @@ use crate::rows::match_outcome::MatchOutcome;
 use crate::rows::partial_row::PartialRow;
 use crate::run_folder::manifest::GitState;
 use crate::run_folder::run_archive::RunArchive;
-use crate::run_folder::run_directory::{MATCHES_CSV, PARTIAL_CSV, REPORT_JSON, SCANS_CSV};
+use crate::run_folder::run_directory::{MATCHES_CSV, PARTIAL_CSV, POSES_CSV, REPORT_JSON, SCANS_CSV};
 use crate::run_folder::run_target::{
     ClaimedTarget, ExistingTarget, LatestPointer, MANIFEST_JSON, RunDirectoryError,
 };
+use crate::streaming::closeness::is_stream;
 use crate::verdicts::comparability::{NotComparable, check_comparable};
 use crate::vocabulary::metric::Metric;
 use crate::vocabulary::task::Task;
@@ -96,7 +97,7 @@ pub fn run_of_baseline(directory: &Path) -> PathBuf {
 /// history, which is returned.
 ///
 /// Ignored objects are left out of the matches: they are half of them, count for nothing, and their numbers are in the rows
-/// of the scans.
+/// of the scans. Those of a stream stay: they count between its scans.
 ///
 /// # Errors
 ///
@@ -117,6 +118,7 @@ pub fn accept(
         history_line(acceptance, git, &(scores(before, run) + &objects))
     })?;
     let is_partial = run.manifest.partial.is_some();
+    let is_stream = is_stream(&run.scans);
     let head = if is_partial { SCORES_HEAD_OF_OBJECTS } else { SCORES_HEAD };
     let history = history_with(&directory.join(SCORES_MD), head, &line)?;
 
@@ -135,10 +137,12 @@ pub fn accept(
     } else {
         write(REPORT_JSON, run.report.to_json().as_bytes())?;
         write(SCANS_CSV, &csv(to_csv_bytes(&run.scans))?)?;
-        let counting: Vec<_> = run.matches.iter().filter(|it| counts(&it.outcome)).cloned().collect();
+        let counting: Vec<_> =
+            run.matches.iter().filter(|it| is_stream || counts(&it.outcome)).cloned().collect();
         write(MATCHES_CSV, &csv(to_csv_bytes(&counting))?)?;
     }
-    for path in &run.more_files {
+    let is_kept = |it: &&PathBuf| is_stream || !it.ends_with(POSES_CSV);
+    for path in run.more_files.iter().filter(is_kept) {
         let read = read_bytes(path, MOST_OF_FILE);
         let content = read.map_err(|source| ArchiveError::Read { path: path.clone(), source })?;
         write(&path.file_name().unwrap_or_default().to_string_lossy(), &content)?;

@@ -4,7 +4,7 @@ use std::fmt::Write as _;
 
 use crate::run_folder::run_archive::RunArchive;
 use crate::verdicts::built_in_tolerances::{OF_OBJECTS, Sizes};
-use crate::verdicts::tolerances::{Rule, Tolerances};
+use crate::verdicts::tolerances::{Lateness, Rule, StreamRule, Tolerances};
 use crate::vocabulary::metric::SPEED_REFERENCE;
 use crate::vocabulary::slice::Slice;
 
@@ -19,6 +19,10 @@ const HEAD: &str = "\
 # Detection is deterministic. If the outcome of any object changed though no number is surely worse, \"fail\" ends with exit
 # code 101, and \"warn\" passes and says what changed. `scanbench gate --allow-drift` has the last word.
 ";
+
+const STREAMS: &str = "\
+Rates of the newest answer at every moment, as `scanbench streaming` has them. With `latency_ms` every detector is as late as
+that, which is the same on every machine; without, as late as measured, on the machine of the baseline.";
 
 impl Tolerances {
     /// The file of these tolerances, with the built-in meaning of each metric.
@@ -38,6 +42,15 @@ impl Tolerances {
             push_head(&mut text, &sizes.protocols.meaning, &format!("[[protocol]]\nprotocol = {protocol}"));
             push_names(&mut text, "metrics", Some(&rule.metrics));
             push_names(&mut text, "classes", Some(&rule.parts));
+            push_sizes(&mut text, rule);
+        }
+        for StreamRule { rule, criterion, lateness } in &self.streams {
+            push_head(&mut text, STREAMS, "[[streaming]]");
+            writeln!(text, "criterion = {}", quoted(criterion.name())).expect("a string takes all");
+            if let Lateness::Fixed(latency_ms) = lateness {
+                push_size(&mut text, "latency_ms", *latency_ms);
+            }
+            push_names(&mut text, "tasks", rule.tasks.as_ref());
             push_sizes(&mut text, rule);
         }
         if let Some(rule) = &self.speed {

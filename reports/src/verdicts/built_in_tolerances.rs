@@ -8,9 +8,14 @@ use crate::numbers::tally::Tally;
 use crate::protocols::drawn_scans::DrawnScans;
 use crate::protocols::protocol_number::{ALL_CLASSES, ProtocolMetric};
 use crate::protocols::protocol_tally::ProtocolQuestion;
+use crate::rows::match_outcome::MatchOutcome;
+use crate::rows::match_row::MatchRow;
+use crate::rows::scan_row::ScanRow;
 use crate::run_folder::run_archive::RunArchive;
+use crate::streaming::closeness::is_stream;
 use crate::uncertainty::sample::{Draw, Question, Sample};
-use crate::verdicts::tolerances::{DriftRule, Origin, Rule, Tolerances, names_meant};
+use crate::verdicts::tolerances::{DriftRule, Lateness, Origin, Rule, StreamRule, Tolerances, names_meant};
+use crate::vocabulary::criterion::CriterionKind;
 use crate::vocabulary::formula::Term;
 use crate::vocabulary::metric::Metric;
 use crate::vocabulary::protocol::Protocol;
@@ -114,11 +119,35 @@ impl Tolerances {
             origin: Origin::BuiltIn,
             quality,
             protocols,
+            streams: stream_rules(baseline),
             speed,
             drift: DriftRule::Fail,
             problems: Vec::new(),
         }
     }
+}
+
+/// Two rules where the baseline is a stream whose labels can be followed: a tenth of a second late, and as late as measured.
+fn stream_rules(baseline: &RunArchive) -> Vec<StreamRule> {
+    let can_be_followed = |it: &MatchRow| match &it.outcome {
+        MatchOutcome::Matched { annotation, .. } | MatchOutcome::Missed { annotation, .. } => {
+            annotation.track.is_some() && annotation.bounding_box.is_some()
+        }
+        _ => false,
+    };
+    let is_timed = |it: &ScanRow| it.numbers().is_some_and(|it| it.latency_ms.is_some());
+    if !is_stream(&baseline.scans)
+        || !baseline.matches.iter().any(can_be_followed)
+        || !baseline.scans.iter().any(is_timed)
+    {
+        return Vec::new();
+    }
+    let rule = |lateness, absolute| StreamRule {
+        rule: Rule::of_streams(absolute),
+        criterion: CriterionKind::Centre,
+        lateness,
+    };
+    vec![rule(Lateness::Fixed(100.0), 0.005), rule(Lateness::Measured, 0.02)]
 }
 
 /// One rule for each protocol that the baseline was evaluated under, about those numbers that it has of all classes together,

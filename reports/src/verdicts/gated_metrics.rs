@@ -156,7 +156,7 @@ impl Sides<'_> {
 
     /// The numbers of one subject for those `metrics` that `rules` are about; a number that neither side has is left out
     /// unless its rule names it.
-    fn held(
+    pub(super) fn held(
         &self,
         rules: &[Rule],
         metrics: &[Metric],

@@ -23,6 +23,7 @@ pub mod least_loss;
 pub mod finding;
 pub mod gated_metrics;
 mod gated_protocols;
+pub mod gated_streams;
 mod gated_objects;
 pub mod verdict;
 pub mod accept;

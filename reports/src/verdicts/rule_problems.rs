@@ -31,6 +31,8 @@ pub enum RuleTable {
     Quality(usize),
     /// A rule about a protocol of others, by its index among them.
     Protocol(usize),
+    /// A rule about rates as they stream, by its index among them.
+    Streaming(usize),
     /// The rule about times.
     Speed,
 }
@@ -42,6 +44,7 @@ impl fmt::Display for RuleProblem {
             RuleTable::Top => None,
             RuleTable::Quality(rule_idx) => Some(format!("[[quality]] {}", rule_idx + 1)),
             RuleTable::Protocol(rule_idx) => Some(format!("[[protocol]] {}", rule_idx + 1)),
+            RuleTable::Streaming(rule_idx) => Some(format!("[[streaming]] {}", rule_idx + 1)),
             RuleTable::Speed => Some("[speed]".to_owned()),
         };
         let position: Vec<String> = line.into_iter().chain(table).collect();

@@ -2,7 +2,9 @@
 
 use std::path::PathBuf;
 
+use crate::files::fixed_decimals::fixed_decimals;
 use crate::verdicts::rule_problems::RuleProblem;
+use crate::vocabulary::criterion::CriterionKind;
 use crate::vocabulary::metric::Metric;
 use crate::vocabulary::named::named;
 use crate::vocabulary::slice::Slice;
@@ -16,6 +18,8 @@ pub struct Tolerances {
     pub quality: Vec<Rule>,
     /// Rules about numbers under protocols of others; the first that is about a number decides.
     pub protocols: Vec<Rule>,
+    /// Rules about rates as they stream; each decides by itself.
+    pub streams: Vec<StreamRule>,
     /// The rule about times; without it they are not gated.
     pub speed: Option<Rule>,
     /// The rule about results that changed.
@@ -64,6 +68,37 @@ pub struct Rule {
     pub relative: f64,
 }
 
+/// How much worse rates may become as they stream.
+#[derive(Debug, Clone, PartialEq)]
+pub struct StreamRule {
+    /// The rule about the F-rate, or about recall where false detections are unknown.
+    pub rule: Rule,
+    /// What boxes are compared by.
+    pub criterion: CriterionKind,
+    /// How late answers are.
+    pub lateness: Lateness,
+}
+
+/// How late the answers of both runs are taken to be.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Lateness {
+    /// Every detector takes this long for every scan, in milliseconds: the same on every machine.
+    Fixed(f64),
+    /// As measured, on the machine of the baseline: times of a later run are taken as many times as long as the reference takes
+    /// longer there.
+    Measured,
+}
+
+impl Lateness {
+    /// The words behind the name of a task.
+    pub fn in_words(self) -> String {
+        match self {
+            Self::Fixed(latency_ms) => format!("streaming, {} ms late", fixed_decimals(latency_ms, 0)),
+            Self::Measured => "streaming, as late as measured".to_owned(),
+        }
+    }
+}
+
 /// The subject of a number that may be gated.
 #[derive(Debug, Clone, Copy)]
 pub struct GatedSubject<'a> {
@@ -104,6 +139,13 @@ impl Rule {
     pub(super) fn of_times(relative: f64) -> Self {
         let (metrics, parts) = (vec![Metric::TimeRatio.id()], vec![Slice::All.name()]);
         Self { line: None, metrics, parts, tasks: None, detectors: None, absolute: 0.0, relative }
+    }
+
+    /// A rule about the rates of all detectors and tasks as they stream, which may fall by this much.
+    pub(super) fn of_streams(absolute: f64) -> Self {
+        let metrics = [Metric::FRate, Metric::Recall].map(|it| it.id()).to_vec();
+        let parts = vec![Slice::All.name()];
+        Self { line: None, metrics, parts, tasks: None, detectors: None, absolute, relative: 0.0 }
     }
 
     /// A rule about a metric of all parts, which may become worse by this much in its unit.

@@ -9,13 +9,16 @@ use toml::de::{DeTable, DeValue};
 use crate::files::regular_file::read_settings_text;
 use crate::verdicts::rule_problems::{RulePosition, RuleProblem, RuleTable};
 use crate::verdicts::suggestion::did_you_mean;
-use crate::verdicts::tolerances::{DriftRule, Origin, Rule, Tolerances};
+use crate::verdicts::tolerances::{DriftRule, Lateness, Origin, Rule, StreamRule, Tolerances};
 use crate::vocabulary::class::AnnotationClass;
+use crate::vocabulary::criterion::CriterionKind;
 use crate::vocabulary::metric::{Direction, Metric, PartialMetric, SPEED_REFERENCE};
 use crate::vocabulary::protocol::Protocol;
+
 use crate::vocabulary::task::Task;
 
-const TOP_FIELDS: [&str; 4] = ["drift", "quality", "protocol", "speed"];
+const TOP_FIELDS: [&str; 5] = ["drift", "quality", "protocol", "streaming", "speed"];
+const STREAM_FIELDS: [&str; 6] = ["criterion", "latency_ms", "tasks", "detectors", "absolute", "relative"];
 const PROTOCOL_FIELDS: [&str; 6] = ["protocol", "metrics", "classes", "detectors", "absolute", "relative"];
 const QUALITY_FIELDS: [&str; 6] = ["metrics", "slices", "tasks", "detectors", "absolute", "relative"];
 const SPEED_FIELDS: [&str; 3] = ["reference", "detectors", "relative"];
@@ -66,12 +69,15 @@ impl Tolerances {
         let protocols = top.take("protocol");
         let protocols = top.rules("protocol", protocols, RuleTable::Protocol, protocol_rule);
         let protocols = protocols.into_iter().flatten().collect();
+        let streams = top.take("streaming");
+        let streams = top.rules("streaming", streams, RuleTable::Streaming, stream_rule);
+        let streams = streams.into_iter().flatten().collect();
         let speed = top.take("speed").and_then(|it| {
             top.expect("a table", it, it.get_ref().as_table())?;
             Some(speed_rule(Section::of_value(text, RuleTable::Speed, it), &mut top.problems))
         });
         let problems = top.finish(&TOP_FIELDS);
-        Ok(Self { origin, quality, protocols, speed, drift, problems })
+        Ok(Self { origin, quality, protocols, streams, speed, drift, problems })
     }
 }
 
@@ -104,6 +110,37 @@ fn protocol_rule(mut section: Section<'_>, problems: &mut Vec<RuleProblem>) -> O
     problems.extend(section.finish(&PROTOCOL_FIELDS));
     let protocol = Protocol::from_name(&protocol?)?;
     Some(Rule { tasks: Some(vec![protocol.name().to_owned()]), ..rule })
+}
+
+/// The rule of a table; `None` if it names no criterion. Wrong fields are left out of it, and all are among `problems`.
+fn stream_rule(mut section: Section<'_>, problems: &mut Vec<RuleProblem>) -> Option<StreamRule> {
+    let by_boxes: Vec<&str> = CriterionKind::ALL
+        .into_iter()
+        .filter(|it| *it != CriterionKind::Points)
+        .map(CriterionKind::name)
+        .collect();
+    let criterion = section.text("criterion", |it| unknown("criterion by boxes", it, &by_boxes));
+    let lateness = if section.fields.contains_key("latency_ms") {
+        Lateness::Fixed(section.size("latency_ms", latency_problem))
+    } else {
+        Lateness::Measured
+    };
+    let absolute = section.size("absolute", |size| absolute_problem(size, &[Metric::FRate]));
+    let rule = Rule {
+        line: Some(section.line),
+        tasks: section.names("tasks", unknown_task),
+        detectors: section.names("detectors", |_| None),
+        relative: section.size("relative", |size| share_problem("relative", size)),
+        ..Rule::of_streams(absolute)
+    };
+    problems.extend(section.finish(&STREAM_FIELDS));
+    let criterion = CriterionKind::from_name(&criterion?).filter(|it| *it != CriterionKind::Points)?;
+    Some(StreamRule { rule, criterion, lateness })
+}
+
+fn latency_problem(latency_ms: f64) -> Option<String> {
+    let is_time = (0.0..=60_000.0).contains(&latency_ms);
+    (!is_time).then(|| format!("latency_ms = {latency_ms} is no time from 0 to 60000 ms"))
 }
 
 /// The rule of a table. Wrong fields are left out of it, and are among `problems`.

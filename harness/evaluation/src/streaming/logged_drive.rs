@@ -8,13 +8,14 @@ use reports::rows::match_row::MatchRow;
 use reports::rows::pose_row::PoseRow;
 use reports::rows::scan_name::ScanName;
 use reports::rows::scan_row::ScanRow;
+use reports::streaming::closeness::LONGEST_GAP_S;
 use reports::vocabulary::reason::{IgnoredAnnotation, IgnoredDetection};
 use reports::vocabulary::task::Task;
 
 use super::moving::{TimeUs, pose_of_row};
 
-/// Scans farther apart than this are no stream: a sensor turns five times a second or more.
-pub const LONGEST_GAP_US: TimeUs = 250_000;
+/// [`LONGEST_GAP_S`] in microseconds.
+const LONGEST_GAP_US: TimeUs = (1e6 * LONGEST_GAP_S) as TimeUs;
 
 /// A stretch of a drive without a gap.
 #[derive(Debug, Clone)]
@@ -191,7 +192,7 @@ fn why_none(of_drives: &BTreeMap<String, Vec<(ScanName, TimeUs)>>) -> String {
         Some(gap_us) => format!(
             "has scans {} s apart or more; a stream has them {} s apart or less",
             gap_us as f64 / 1e6,
-            LONGEST_GAP_US as f64 / 1e6
+            LONGEST_GAP_S
         ),
     }
 }

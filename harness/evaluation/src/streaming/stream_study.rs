@@ -309,3 +309,247 @@ fn as_detected(label: &Label) -> Option<LoggedDetection> {
         found: Some(facts.track),
     })
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::streaming::latencies::LatencySource;
+    use crate::streaming::logged_drive::logged_drives;
+    use proptest::prelude::*;
+    use reports::rows::match_outcome::{AnnotationFacts, MatchOutcome};
+    use reports::rows::pose_row::PoseRow;
+    use reports::vocabulary::class::AnnotationClass;
+    use reports::vocabulary::reason::FalseReason;
+
+    /// A car that starts 5 m ahead, and a sensor that may drive, too; both straight on, in metres per second.
+    #[derive(Debug, Clone, Copy)]
+    struct Scene {
+        car: f64,
+        sensor: f64,
+        length_m: f32,
+    }
+
+    const N_SCANS: u32 = 11;
+
+    impl Scene {
+        /// Rows of a detector that finds the car exactly in scans a tenth of a second apart.
+        fn rows(self) -> (Vec<ScanRow>, Vec<MatchRow>, Vec<PoseRow>) {
+            let [dataset, sequence, detector] = ["drawn", "0", "exact"].map(str::to_owned);
+            let at_s = |scan: u32| f64::from(scan) / 10.0;
+            let scan_row = |scan: u32| ScanRow {
+                dataset: dataset.clone(),
+                sequence: sequence.clone(),
+                scan,
+                time_s: Some(at_s(scan)),
+                detector: detector.clone(),
+                task: Task::Vehicles,
+                outcome: ScanOutcome::Evaluated(ScanNumbers::of_counts(Counts::new(1, 1, Some(0)).unwrap())),
+            };
+            let match_row = |scan: u32| {
+                let bounding_box = BoxFacts {
+                    center_m: [(5.0 + (self.car - self.sensor) * at_s(scan)) as f32, 0.0, 0.0],
+                    length_width_height_m: [self.length_m, 2.0, 1.5],
+                    yaw_rad: 0.0,
+                };
+                let annotation = AnnotationFacts {
+                    id: 0,
+                    track: Some(7),
+                    class: AnnotationClass::Car,
+                    occlusion: None,
+                    n_points: 100,
+                    n_points_outside: 0,
+                    bounding_box: Some(bounding_box),
+                    centroid_m: None,
+                };
+                let (class, score) = (DetectionClass::Vehicle, Some(0.5));
+                let detection = DetectionFacts { id: 0, class, score, n_points: 100, bounding_box };
+                MatchRow {
+                    dataset: dataset.clone(),
+                    sequence: sequence.clone(),
+                    scan,
+                    detector: detector.clone(),
+                    task: Task::Vehicles,
+                    criterion: Criterion::POINTS.kind(),
+                    outcome: MatchOutcome::Matched { annotation, detection, cost: 0.0 },
+                }
+            };
+            let pose_row = |scan: u32| PoseRow {
+                dataset: dataset.clone(),
+                sequence: sequence.clone(),
+                scan,
+                x_m: 100.0 + self.sensor * at_s(scan),
+                y_m: 0.0,
+                z_m: 1.7,
+                qx: 0.0,
+                qy: 0.0,
+                qz: 0.0,
+                qw: 1.0,
+            };
+            let scans = || 0..N_SCANS;
+            (
+                scans().map(scan_row).collect(),
+                scans().map(match_row).collect(),
+                scans().map(pose_row).collect(),
+            )
+        }
+
+        fn stream(self, latency_ms: f64, criterion: Criterion) -> StreamResult {
+            let (scans, matches, poses) = self.rows();
+            let (drives, left_out) =
+                logged_drives(&["exact"], (&scans, &matches, &poses), |it| it.sequence.clone());
+            assert_eq!((drives.len(), left_out.len()), (1, 0));
+            let fixed_ms = [("exact".to_owned(), latency_ms)].into();
+            let source = LatencySource { fixed_ms, elsewhere: None };
+            let study = StreamStudy {
+                drives: &drives,
+                detectors: &["exact"],
+                tasks: &[Task::Vehicles],
+                latencies: &source.latencies(&drives, &["exact"]).unwrap(),
+                criterion,
+                step_us: 1000,
+                is_in_full: true,
+            };
+            study.run(Tally::default, || Ok::<(), ()>(())).unwrap()
+        }
+
+        /// TP, MO and FO over the 1,001 moments of a second.
+        fn counts(self, latency_ms: f64, criterion: Criterion) -> [u64; 3] {
+            let counts = self.stream(latency_ms, criterion).streamed.counts("drawn", Task::Vehicles, "exact");
+            triple(counts.unwrap())
+        }
+    }
+
+    fn triple(counts: Counts) -> [u64; 3] {
+        [counts.tp(), counts.mo(), counts.fo().unwrap()]
+    }
+
+    const PASSING: Scene = Scene { car: 10.0, sensor: 0.0, length_m: 4.4 };
+
+    #[test]
+    fn a_car_at_ten_metres_a_second_is_lost_when_the_answer_is_200_ms_old() {
+        let counts = |latency_ms: f64| PASSING.counts(latency_ms, Criterion::CENTRE);
+        assert_eq!(counts(0.0), [1001, 0, 0]);
+        // Nothing is known for 50 ms; then the answer is 50 to 149 ms old, and off by 0.5 to 1.49 m.
+        assert_eq!(counts(50.0), [951, 50, 0]);
+        assert_eq!(counts(100.0), [901, 100, 0]);
+        // Answers come at 101, 202, 303 … ms and are 101 to 201 ms old: off by 2 m and more in two moments of each, and in
+        // one of the last, which ends at 1000 ms.
+        let n_late = (1..=9).map(|it: i64| {
+            let [from, to] = [101 * it, (101 * (it + 1)).min(1001)];
+            let taken = if it == 1 { 0 } else { 100 * (101 * (it - 1) / 100) };
+            (from..to).filter(|at| at - taken >= 200).count() as u64
+        });
+        let n_late: u64 = n_late.sum();
+        assert!(n_late > 0);
+        assert_eq!(counts(101.0), [1001 - 101 - n_late, 101 + n_late, n_late]);
+        // Answers of scans 0, 1, 3, 4, 6, 7 from 150, 300, 450, 600, 750, 900 ms on: each second one is 150 to 199 ms old for
+        // 50 ms, the others are older.
+        assert_eq!(counts(150.0), [150, 1001 - 150, 851 - 150]);
+        assert_eq!(counts(250.0), [0, 1001, 751]);
+    }
+
+    #[test]
+    fn by_overlap_it_is_lost_at_a_third_of_its_length() {
+        // 4.4 m / 3 is reached after 146.7 ms.
+        let counts = |latency_ms: f64| PASSING.counts(latency_ms, Criterion::BEV_IOU);
+        assert_eq!(counts(0.0), [1001, 0, 0]);
+        assert_eq!(counts(47.0), [954, 47, 0]);
+        // Of the ages 48 to 147 the last is too old, once between any two answers: nine times.
+        assert_eq!(counts(48.0), [953 - 9, 48 + 9, 9]);
+        // 50 to 149 ms: three of each hundred, nine times.
+        assert_eq!(counts(50.0), [951 - 27, 50 + 27, 27]);
+        assert_eq!(counts(150.0), [0, 1001, 851]);
+    }
+
+    #[test]
+    fn what_rests_is_known_for_ever_if_the_cars_own_motion_is() {
+        let parked = Scene { car: 0.0, sensor: 12.0, length_m: 4.4 };
+        let result = parked.stream(250.0, Criterion::BEV_IOU);
+        let sums = &result.sums[&("drawn".to_owned(), Task::Vehicles, "exact".to_owned())];
+        let streamed = result.streamed.counts("drawn", Task::Vehicles, "exact").unwrap();
+        assert_eq!(triple(streamed), [751, 250, 0]);
+        assert_eq!(triple(sums.forecasts[&Forecast::Hold]), [0, 1001, 751]);
+        assert_eq!(sums.late_truth, Some(streamed));
+        // Scans 0, 2, 5 and 7 are taken, and 10, which is there when it is free at 1000 ms.
+        assert_eq!((sums.n_taken, sums.n_moments, sums.ages_ms.len()), (5, 1001, 751));
+        // A machine that is 16 times as fast takes 15.6 ms: the answer is known at the 16th.
+        assert_eq!(triple(sums.by_machine[16].1), [985, 16, 0]);
+        assert_eq!(sums.by_machine[8].1, streamed);
+        let speeds = result.streamed.slices(Task::Vehicles, "exact");
+        assert!(
+            speeds.contains(&Slice::of_speed(0.0).unwrap())
+                && !speeds.contains(&Slice::of_speed(12.0).unwrap())
+        );
+    }
+
+    #[test]
+    fn a_tracker_follows_what_moves_evenly() {
+        let sums = |latency_ms: f64| {
+            let result = PASSING.stream(latency_ms, Criterion::BEV_IOU);
+            result.sums[&("drawn".to_owned(), Task::Vehicles, "exact".to_owned())].clone()
+        };
+        // The first answer gives no velocity: it is lost at 147 ms, and the second comes at 250.
+        let [found, ..] = triple(sums(150.0).forecasts[&Forecast::ConstantVelocity]);
+        assert!(found > 600, "{found}");
+        assert!(
+            PASSING
+                .stream(0.0, Criterion::CENTRE)
+                .streamed
+                .slices(Task::Vehicles, "exact")
+                .contains(&Slice::Speed(3))
+        );
+    }
+
+    #[test]
+    fn an_object_that_is_labelled_no_more_is_nobodys_mistake() {
+        let (scans, mut matches, poses) = PASSING.rows();
+        // From the sixth scan on the car is not labelled, and not found.
+        matches.truncate(6);
+        let (drives, _) = logged_drives(&["exact"], (&scans, &matches, &poses), |it| it.sequence.clone());
+        let study = StreamStudy {
+            drives: &drives,
+            detectors: &["exact"],
+            tasks: &[Task::Vehicles],
+            latencies: &vec![vec![vec![100.0; 11]]],
+            criterion: Criterion::CENTRE,
+            step_us: 1000,
+            is_in_full: false,
+        };
+        let result = study.run(Tally::default, || Ok::<(), ()>(())).unwrap();
+        let counts = result.streamed.counts("drawn", Task::Vehicles, "exact").unwrap();
+        // It counts until 500 ms. The answer of the scan at 500 ms is known from 600 to 700 ms, and ignored.
+        assert_eq!(triple(counts), [401, 100, 0]);
+        // A detection of nothing stays false as long as it is the newest answer: 300 to 400 ms.
+        let (scans, mut matches, poses) = PASSING.rows();
+        if let MatchOutcome::Matched { detection, .. } = matches[2].outcome.clone() {
+            let reason = FalseReason::NothingThere;
+            let facts = BoxFacts { center_m: [40.0, 9.0, 0.0], ..detection.bounding_box };
+            let detection = DetectionFacts { id: 1, bounding_box: facts, ..detection };
+            let outcome = MatchOutcome::False { detection, reason };
+            matches.push(MatchRow { outcome, ..matches[2].clone() });
+        }
+        let (drives, _) = logged_drives(&["exact"], (&scans, &matches, &poses), |it| it.sequence.clone());
+        let result =
+            StreamStudy { drives: &drives, ..study }.run(Tally::default, || Ok::<(), ()>(())).unwrap();
+        let counts = result.streamed.counts("drawn", Task::Vehicles, "exact").unwrap();
+        assert_eq!(triple(counts), [901, 100, 100]);
+    }
+
+    proptest! {
+        #[test]
+        fn scans_are_judged_as_in_the_run_and_lateness_never_helps_on_an_even_course(
+            car in -20.0..20.0_f64,
+            sensor in -20.0..20.0_f64,
+            latency_ms in 0.0..400.0_f64,
+        ) {
+            let scene = Scene { car, sensor, length_m: 4.4 };
+            let result = scene.stream(latency_ms, Criterion::BEV_IOU);
+            let per_scan = result.per_scan.counts("drawn", Task::Vehicles, "exact").unwrap();
+            prop_assert_eq!(triple(per_scan), [u64::from(N_SCANS), 0, 0]);
+            let [found, missed, _] = triple(result.streamed.counts("drawn", Task::Vehicles, "exact").unwrap());
+            prop_assert_eq!(found + missed, 1001);
+            let [prompt, ..] = scene.counts(0.0, Criterion::BEV_IOU);
+            prop_assert!(found <= prompt);
+        }
+    }
+}

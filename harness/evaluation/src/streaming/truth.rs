@@ -165,3 +165,121 @@ impl TrueMoment {
         self.tracks.contains(&track)
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use nalgebra::{Quaternion, Translation3, UnitQuaternion};
+    use reports::rows::scan_name::ScanName;
+    use reports::vocabulary::class::AnnotationClass;
+    use scans::conversion::results::detection_rows::box_facts;
+    use simulator::sensor::SensorModel;
+    use simulator::{Street, StreetKind};
+
+    use super::super::logged_drive::LoggedScan;
+
+    /// Twenty turns a second with few pulses: every second turn is what is labelled.
+    fn sensor() -> SensorModel {
+        SensorModel { turns_per_second: 20.0, n_firings_per_turn: 150, ..SensorModel::hdl_64e_s2() }
+    }
+
+    fn scan_of(street: &Street, turn: u32) -> (LoggedScan, Vec<Label>) {
+        let pose = street.ego_pose(&sensor(), turn);
+        let [x, y, z, w] = pose.world_from_sensor_xyzw.map(f64::from);
+        let rotation = UnitQuaternion::from_quaternion(Quaternion::new(w, x, y, z));
+        let at_m = Translation3::from(pose.position_m.map(f64::from));
+        let labels = street.scan(&sensor(), turn).annotations.into_iter().zip(0..).map(|(it, id)| Label {
+            facts: AnnotationFacts {
+                id,
+                track: it.track,
+                class: it.class,
+                occlusion: it.occlusion,
+                n_points: it.point_indices.len() as u64,
+                n_points_outside: 0,
+                bounding_box: it.bounding_box.as_ref().map(box_facts),
+                centroid_m: None,
+            },
+            ignored: None,
+        });
+        let name = ScanName { dataset: "street".to_owned(), sequence: street.sequence(), scan: turn };
+        let scan = LoggedScan {
+            name,
+            time_us: i64::from(turn) * 50_000,
+            world_from_sensor: Isometry3::from_parts(at_m, rotation),
+            latencies_ms: Vec::new(),
+        };
+        (scan, labels.collect())
+    }
+
+    fn drive_of(street: &Street, turns: impl Iterator<Item = u32>) -> (LoggedDrive, Vec<Vec<Label>>) {
+        let (scans, labels): (Vec<LoggedScan>, Vec<Vec<Label>>) = turns.map(|it| scan_of(street, it)).unzip();
+        let (dataset, name) = ("street".to_owned(), street.sequence());
+        (LoggedDrive { dataset, name, scans, has_poses: true, tasks: BTreeMap::new() }, labels)
+    }
+
+    #[test]
+    fn between_scans_things_are_where_the_simulator_has_them() {
+        let kinds = StreetKind::ALL.into_iter().flat_map(|kind| (9001..9011).map(move |seed| (kind, seed)));
+        let (mut n_compared, mut n_moving) = (0, 0);
+        // On the ground, and as seen from the car, whose heading jumps where a road has a kink.
+        let (mut on_ground_m, mut seen_m, mut turned_rad) = (0.0_f64, 0.0_f64, 0.0_f64);
+        for (kind, seed) in kinds {
+            let street = Street::new(kind, seed);
+            let (drive, labels) = drive_of(&street, (0..=8).step_by(2));
+            let truth = TaskTruth::of(&drive, &labels);
+            for turn in [1, 3, 5, 7] {
+                let (scan, expected) = scan_of(&street, turn);
+                let moment = truth.at(scan.time_us);
+                for (idx, facts) in moment.facts.iter().enumerate() {
+                    let same = expected.iter().find(|it| it.facts.track == facts.track);
+                    // A body that walks has another box at every step.
+                    let walks = matches!(facts.class, AnnotationClass::Pedestrian | AnnotationClass::Cyclist);
+                    let Some(same) = same.filter(|_| !walks && moment.exclusions[idx].is_none()) else {
+                        continue;
+                    };
+                    let [ours, theirs] =
+                        [facts, &same.facts].map(|it| pose_of(&it.bounding_box.expect("all have boxes")));
+                    let off_m = |a: Isometry3<f64>, b: Isometry3<f64>| {
+                        (a.translation.vector - b.translation.vector).norm()
+                    };
+                    seen_m = seen_m.max(off_m(ours, theirs));
+                    on_ground_m = on_ground_m
+                        .max(off_m(moment.world_from_sensor * ours, scan.world_from_sensor * theirs));
+                    turned_rad = turned_rad.max(ours.rotation.angle_to(&theirs.rotation));
+                    n_compared += 1;
+                    n_moving += usize::from(moment.speeds_m_per_s[idx].is_some_and(|it| it > 3.0));
+                }
+            }
+        }
+        println!(
+            "{n_compared} boxes, {n_moving} of them moving: off by at most {on_ground_m:.4} m on the ground, {seen_m:.4} m from \
+             the car, {turned_rad:.4} rad"
+        );
+        assert!(n_compared > 5000 && n_moving > 500, "{n_compared} {n_moving}");
+        assert!(
+            on_ground_m < 0.03 && seen_m < 0.25 && turned_rad < 0.01,
+            "{on_ground_m} {seen_m} {turned_rad}"
+        );
+    }
+
+    #[test]
+    fn at_a_scan_the_truth_is_what_is_labelled_there() {
+        let street = Street::new(StreetKind::MainRoad, 9001);
+        let (drive, labels) = drive_of(&street, (0..=4).step_by(2));
+        let truth = TaskTruth::of(&drive, &labels);
+        for (scan, labels) in drive.scans.iter().zip(&labels) {
+            let moment = truth.at(scan.time_us);
+            let facts: Vec<AnnotationFacts> = labels.iter().map(|it| it.facts.clone()).collect();
+            assert_eq!(moment.facts, facts);
+            assert!(moment.exclusions.iter().all(Option::is_none));
+        }
+        // What is labelled in one of both scans alone goes on, and does not count.
+        let moment = truth.at(50_000);
+        let in_both = |track: u32| [0, 1].iter().all(|it| truth.by_track[*it].contains_key(&track));
+        for (facts, excluded) in moment.facts.iter().zip(&moment.exclusions) {
+            assert_eq!(excluded.is_none(), in_both(facts.track.expect("all have tracks")));
+        }
+        assert!(moment.exclusions.iter().any(Option::is_some));
+        assert_eq!(truth.n_unfollowed()[0], 0);
+    }
+}

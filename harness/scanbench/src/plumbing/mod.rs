@@ -35,5 +35,6 @@ pub mod result_file;
 pub mod object_sets;
 pub mod reproducible_command;
 pub mod open_run;
+pub mod streams;
 pub mod step_summary;
 pub mod empty_folder;

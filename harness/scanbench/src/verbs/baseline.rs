@@ -14,13 +14,14 @@ use reports::verdicts::annotated_tolerances::built_in_file;
 use reports::verdicts::classes_of_both::with_classes_of_both;
 use reports::verdicts::least_loss::least_losses;
 use reports::verdicts::tolerances::Tolerances;
-use reports::verdicts::verdict::{JudgeError, judge};
+use reports::verdicts::verdict::{JudgeError, judge_with_streams};
 
 use crate::cli::{AcceptArgs, BaselineInitArgs};
 use crate::plumbing::failure::{Failure, Usage, WorseThanAccepted};
 use crate::plumbing::open_run::open_run;
 use crate::plumbing::provenance::utc_day;
 use crate::plumbing::standard_streams::{print_diagnostic, print_result, print_text, terminal};
+use crate::plumbing::streams::gated_streams;
 use crate::verbs::gate::tolerances;
 use crate::verbs::gate_workflow::{GATE_WORKFLOW, gate_workflow};
 use crate::verbs::history::add_to_history;
@@ -51,7 +52,8 @@ fn judged_by(directory: &Path, run: &RunArchive, path: &Path) -> Result<Option<J
     let Ok(before) = RunArchive::read(&directory.join(ACCEPTED_RUN)) else { return Ok(None) };
     let [before, run] = with_classes_of_both([before, run.clone()]);
     let tolerances = tolerances(directory, None, &before)?;
-    let verdict = match judge(&before, &run, &tolerances) {
+    let streams = gated_streams(&tolerances, [(&before, &directory.join(ACCEPTED_RUN)), (&run, path)])?;
+    let verdict = match judge_with_streams(&before, &run, &tolerances, &streams) {
         Ok(verdict) => verdict,
         // Whether it may follow all the same is decided when it is accepted.
         Err(JudgeError::NotComparable(_)) => return Ok(None),

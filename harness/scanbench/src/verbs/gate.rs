@@ -14,13 +14,14 @@ use reports::verdicts::accept::{TOLERANCES_TOML, run_of_baseline};
 use reports::verdicts::classes_of_both::with_classes_of_both;
 use reports::verdicts::tolerances::{DriftRule, Tolerances};
 use reports::verdicts::tolerances_file::TolerancesError;
-use reports::verdicts::verdict::{Verdict, judge};
+use reports::verdicts::verdict::{Verdict, judge_with_streams};
 
 use crate::cli::GateArgs;
 use crate::plumbing::failure::{Failure, GateClosed, Usage, WorseSince};
 use crate::plumbing::open_run::open_run;
 use crate::plumbing::standard_streams::{print_text, terminal};
 use crate::plumbing::step_summary::append_to_step_summary;
+use crate::plumbing::streams::gated_streams;
 use crate::verbs::history::add_to_history;
 
 /// Judges a run by an accepted one, and prints and writes the verdict.
@@ -32,7 +33,9 @@ pub fn gate(arguments: &GateArgs) -> Result<(), Failure> {
     if let Some(is_allowed) = arguments.allow_drift {
         tolerances.drift = if is_allowed { DriftRule::Warn } else { DriftRule::Fail };
     }
-    let verdict = judge(&baseline, &run, &tolerances)?;
+    let sides = [(&baseline, &*run_of_baseline(directory)), (&run, &*arguments.run)];
+    let streams = gated_streams(&tolerances, sides)?;
+    let verdict = judge_with_streams(&baseline, &run, &tolerances, &streams)?;
     if let Some(output) = &arguments.output {
         write_verdict(output, &verdict, &run)?;
     }

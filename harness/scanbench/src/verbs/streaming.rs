@@ -1,6 +1,5 @@
 //! `scanbench streaming`: what the detections of a run are worth while the world moves on.
 
-use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use std::str::FromStr;
 use std::sync::atomic::Ordering;
@@ -8,28 +7,28 @@ use std::sync::atomic::Ordering;
 use clap::{Args, ValueEnum};
 use evaluation::matching::criterion::Criterion;
 use evaluation::run::side_by_side::RunError;
-use evaluation::streaming::latencies::{LatencySource, NoLatency};
-use evaluation::streaming::logged_drive::{LoggedDrive, NoStream, logged_drives};
+use evaluation::streaming::latencies::LatencySource;
 use evaluation::streaming::stream_study::StreamStudy;
-use reports::files::csv_rows::{read_rows, to_csv_bytes};
+use reports::files::csv_rows::to_csv_bytes;
 use reports::files::whole_set::WholeSet;
 use reports::pages::streaming_page::StreamingPage;
 use reports::rows::scan_row::ScanRow;
 use reports::run_folder::command_line::shell_word;
 use reports::run_folder::run_archive::RunArchive;
-use reports::run_folder::run_directory::{FIGURES, POSES_CSV};
+use reports::run_folder::run_directory::FIGURES;
 use reports::streaming::streamed::Streamed;
 use reports::tables::formats::format::Format as _;
 use reports::tables::studies::streaming_table::{StreamingRow, StreamingTable};
 use reports::vocabulary::task::Task;
 
 use crate::cli::help_text::{DETECTORS, JUDGING, OUTPUT};
-use crate::plumbing::failure::{Failure, NothingEvaluated, Usage};
+use crate::plumbing::failure::{Failure, NothingEvaluated};
 use crate::plumbing::interruption::interruption_flag;
 use crate::plumbing::open_run::{open_run, refuse_unknown};
 use crate::plumbing::progress::progress_over_results;
 use crate::plumbing::run_manifest::criterion_in_words;
-use crate::plumbing::standard_streams::{print_diagnostic, print_text, terminal};
+use crate::plumbing::standard_streams::{Verbosity, is_said, print_diagnostic, print_text, terminal};
+use crate::plumbing::streams::Stream;
 use crate::verbs::worst_scans::task_named;
 
 /// Arguments of `scanbench streaming`.
@@ -138,10 +137,16 @@ pub fn streaming(arguments: &StreamingArgs) -> Result<(), Failure> {
     let elsewhere = arguments.latencies_of.as_deref().map(open_run).transpose()?;
     let made = Made::of(arguments, &run, elsewhere.as_ref().map(|it| &it.scans[..]))?;
     let criterion = criterion_in_words(arguments.criterion.criterion());
-    let table = StreamingTable { streamed: &made.streamed, matched_by: &criterion, notes: &made.notes };
+    let in_full = StreamingTable {
+        streamed: &made.streamed,
+        matched_by: &criterion,
+        notes: &made.notes,
+        is_short: false,
+    };
     let output = arguments.output.as_deref().unwrap_or(&arguments.run);
-    write(&table, arguments, output)?;
-    print_text(&terminal().text(&table))?;
+    write(&in_full, arguments, output)?;
+    let is_short = !is_said(Verbosity::Verbose);
+    print_text(&terminal().text(&StreamingTable { is_short, ..in_full }))?;
     print_diagnostic(format_args!("Page: {}", output.join("streaming.html").display()));
     Ok(())
 }
@@ -182,20 +187,18 @@ impl Made {
             [] => run.tally().tasks().to_vec(),
             named => named.iter().map(|it| task_named(run, it)).collect::<Result<_, _>>()?,
         };
-        let (drives, mut notes) = drives_of(run, &arguments.run, &detectors)?;
+        let stream = Stream::of(run, &arguments.run, detectors)?;
+        let Stream { detectors, drives, .. } = &stream;
+        let mut notes = stream.notes.clone();
         let source = LatencySource {
             fixed_ms: arguments.latencies.iter().map(|it| (it.detector.clone(), it.latency_ms)).collect(),
             elsewhere,
         };
-        let latencies = source.latencies(&drives, &detectors).map_err(|NoLatency { detector }| {
-            Usage(format!(
-                "no time of detection of {detector} is known: give it with --latency {detector}=120ms"
-            ))
-        })?;
+        let latencies = stream.latencies(&source)?;
         notes.extend(about_times(arguments, run));
         let study = StreamStudy {
-            drives: &drives,
-            detectors: &detectors,
+            drives,
+            detectors,
             tasks: &tasks,
             latencies: &latencies,
             criterion: arguments.criterion.criterion(),
@@ -231,38 +234,6 @@ impl Made {
         }
         Ok(Self { streamed, notes })
     }
-}
-
-/// The drives of a run, and what has to be said of them.
-fn drives_of(
-    run: &RunArchive,
-    directory: &Path,
-    detectors: &[&str],
-) -> Result<(Vec<LoggedDrive>, Vec<String>), Failure> {
-    let poses_csv = directory.join(POSES_CSV);
-    let poses = if poses_csv.is_file() { read_rows(&poses_csv) } else { Ok(Vec::new()) };
-    let poses = poses.map_err(|error| Failure::damaged_run(directory, error))?;
-    let named = run.manifest.named_drives();
-    let drive_of = |row: &ScanRow| {
-        let name = format!("{}/{:06}", row.sequence, row.scan);
-        named.get(&(row.dataset.as_str(), name)).map_or_else(|| row.sequence.clone(), |it| (*it).to_owned())
-    };
-    let (drives, left_out) = logged_drives(detectors, (&run.scans, &run.matches, &poses), drive_of);
-    let words = |NoStream { dataset, reason }: &NoStream| format!("{dataset} {reason}");
-    let mut notes: Vec<String> = left_out.iter().map(|it| format!("Left out: {}.", words(it))).collect();
-    if drives.is_empty() {
-        let reasons: Vec<String> = left_out.iter().map(words).collect();
-        let reason = format!("{}; of streets, `streaming-streets` are a stream", reasons.join("; "));
-        return Err(NothingEvaluated { reason }.into());
-    }
-    let mut without: BTreeMap<&str, usize> = BTreeMap::new();
-    for it in drives.iter().filter(|it| !it.has_poses) {
-        *without.entry(&it.dataset).or_default() += 1;
-    }
-    notes.extend(without.iter().map(|(dataset, n)| {
-        format!("Of {n} drives of {dataset} the car's motion is unknown: boxes are held there, and speeds are unknown.")
-    }));
-    Ok((drives, notes))
 }
 
 /// Where times of detection come from.

@@ -3,15 +3,14 @@
 use serde::{Deserialize, Serialize};
 
 use crate::files::csv_rows::row;
-use crate::files::fixed_decimals::{Fixed, decimals_or_dash, fixed_decimals, percent_or_dash};
+use crate::files::fixed_decimals::{Fixed, decimals_or_dash, fixed_decimals, percent_or_dash, three_digits};
 use crate::rows::counts::Counts;
 use crate::streaming::machine_speed::MachineSpeed;
-use crate::streaming::streamed::{Streamed, headline};
+use crate::streaming::streamed::{Streamed, StreamedSlice, headline};
 use crate::tables::grid::{Cell, Column, Grid, Line, LineKind};
 use crate::tables::notes::{INTERVAL_TITLE, about_interval};
 use crate::tables::sheet::{Part, Sheet, Tabular};
-use crate::tables::task_grids::{extent_cell, interval_cell};
-use crate::vocabulary::extent::Extent;
+use crate::tables::task_grids::interval_cell;
 use crate::vocabulary::forecast::Forecast;
 use crate::vocabulary::origin::Origin;
 use crate::vocabulary::slice::Slice;
@@ -26,93 +25,129 @@ pub struct StreamingTable<'a> {
     pub matched_by: &'a str,
     /// What else a reader has to know.
     pub notes: &'a [String],
+    /// Whether it is for a terminal: data sets of one origin together, and fewer columns.
+    pub is_short: bool,
 }
 
 impl Tabular for StreamingTable<'_> {
     fn sheet(&self) -> Sheet {
         let mut parts = Vec::new();
-        for of_task in self.of_tasks() {
-            let task = of_task[0].task;
-            let title = format!("Task {task}, streaming. Rates in %. Matched by {}.", self.matched_by);
-            parts.push(Part { title: Some(title), grid: rates(&of_task) });
-            let slices = slices(&of_task);
-            if !slices.lines.is_empty() {
+        for of_extent in self.of_tasks_and_extents() {
+            let Streamed { task, extent, origin, .. } = of_extent[0];
+            let on = format!("{}{}", extent.name(), origin.in_brackets());
+            let title =
+                format!("Task {task}, streaming on {on}. Rates in %. Matched by {}.", self.matched_by);
+            parts.push(Part { title: Some(title), grid: rates(&of_extent, self.is_short) });
+            if let Some(grid) = slices(&of_extent) {
                 let title = format!(
-                    "Task {task}: recall in % by speed over ground and by range, per scan → as it streams."
+                    "Task {task} on {on}, recall in % by speed over ground and by range: per scan → as it streams."
                 );
-                parts.push(Part { title: Some(title), grid: slices });
+                parts.push(Part { title: Some(title), grid });
             }
         }
         let mut sentences = vec![
-            "scans: each answer judged where things were when its scan was taken. streams: at every moment the newest answer, \
-             moved on by the car's motion, judged where things are then."
+            "ms: median time of detection. scans: each answer judged where things were when its scan was taken. streams: at \
+             every moment the newest answer, moved on by the car's motion, judged where things are then."
                 .to_owned(),
             "held: the same, not moved at all. tracked: moved on with the velocity of a small tracker. truth: what a detector \
              would reach that finds exactly the labels and is as late."
                 .to_owned(),
-            "P, R, AP: precision, recall and average precision as it streams. age: of what is known, median and 95th percentile. \
-             dropped: scans that came while the detector was busy."
+            "age: of what is known, median and 95th percentile. dropped: scans that came while the detector was busy, in %."
                 .to_owned(),
         ];
+        if !self.is_short {
+            sentences.push("P, R, AP: precision, recall and average precision as it streams.".to_owned());
+        }
         if self.streamed.iter().any(|it| it.streamed.fo().is_none()) {
             sentences.push("Where false detections are unknown, rates are recalls.".to_owned());
         }
         sentences.extend(self.notes.iter().cloned());
         let kind = self.streamed.iter().find_map(|it| it.within.map(|it| it.blocks.kind));
         sentences.extend(kind.map(|it| format!("{INTERVAL_TITLE}: {}", about_interval(it))));
-        Sheet::of_parts(parts, sentences).labelled("streaming")
+        let lead = self.of_tasks_and_extents().iter().filter_map(|it| leaders(it)).collect();
+        Sheet { lead, ..Sheet::of_parts(parts, sentences).labelled("streaming") }
     }
 }
 
 impl StreamingTable<'_> {
-    /// The numbers of each task.
-    fn of_tasks(&self) -> Vec<Vec<&Streamed>> {
-        let mut tasks: Vec<Vec<&Streamed>> = Vec::new();
-        for it in self.streamed {
-            match tasks.iter_mut().find(|of_task| of_task[0].task == it.task) {
-                Some(of_task) => of_task.push(it),
-                None => tasks.push(vec![it]),
+    /// The numbers of each task on each extent: all data sets of an origin together before each of them.
+    fn of_tasks_and_extents(&self) -> Vec<Vec<&Streamed>> {
+        let mut groups: Vec<Vec<&Streamed>> = Vec::new();
+        for it in self.streamed.iter().filter(|it| !self.is_short || !is_one_of_several(it, self.streamed)) {
+            match groups.iter_mut().find(|group| (group[0].task, &group[0].extent) == (it.task, &it.extent)) {
+                Some(group) => group.push(it),
+                None => groups.push(vec![it]),
             }
         }
-        tasks
+        groups.sort_by_key(|it| (is_one_of_several(it[0], self.streamed), it[0].task));
+        groups
     }
+}
+
+/// Which detector has the highest rate on which computers; `None` if there are no others to beat, or no rates.
+fn leaders(of_extent: &[&Streamed]) -> Option<String> {
+    let Streamed { task, extent, origin, .. } = of_extent.first()?;
+    let speeds: Vec<MachineSpeed> = of_extent[0].by_machine().map(|it| it.0).collect();
+    let best = |speed: &MachineSpeed| {
+        let rate = |it: &&&Streamed| it.by_machine().find(|it| it.0 == *speed)?.1;
+        let rated = of_extent.iter().filter_map(|it| Some((rate(&it)?, it.detector.as_str())));
+        // Of equal ones the first.
+        rated.reduce(|best, it| if it.0 > best.0 { it } else { best }).map(|it| it.1)
+    };
+    let best: Vec<(MachineSpeed, &str)> = speeds.iter().filter_map(|it| Some((*it, best(it)?))).collect();
+    let stretches: Vec<String> = best
+        .chunk_by(|a, b| a.1 == b.1)
+        .map(|it| {
+            let times = |it: MachineSpeed| three_digits(it.factor());
+            match it {
+                [(speed, name)] => format!("{name} at {}", times(*speed)),
+                [(first, name), .., (last, _)] => {
+                    format!("{name} from {} to {}", times(*first), times(*last))
+                }
+                [] => String::new(),
+            }
+        })
+        .collect();
+    let on = format!("{}{}", extent.name(), origin.in_brackets());
+    (of_extent.len() > 1 && !stretches.is_empty()).then(|| {
+        format!(
+            "Task {task} on {on}: the highest rate on a computer so many times as fast as here has {}.",
+            stretches.join(", ")
+        )
+    })
+}
+
+/// Whether it is about a single data set of which others are judged together with it.
+pub(crate) fn is_one_of_several(it: &Streamed, all: &[Streamed]) -> bool {
+    !it.extent.is_overall() && all.iter().any(|other| other.extent.is_overall() && other.origin == it.origin)
 }
 
 fn percent(counts: Option<Counts>) -> String {
     percent_or_dash(counts.and_then(headline))
 }
 
-fn rates(of_task: &[&Streamed]) -> Grid {
-    let is_known = of_task.iter().any(|it| it.streamed.fo().is_some());
+fn rates(of_extent: &[&Streamed], is_short: bool) -> Grid {
+    let is_known = of_extent.iter().any(|it| it.streamed.fo().is_some());
     let rate = if is_known { "F-rate" } else { "recall" };
-    let mut columns = vec![Column::left("data set"), Column::left("detector"), Column::number("ms")];
+    let mut columns = vec![Column::left("detector"), Column::number("ms")];
     columns.extend(["scans", "streams"].map(|it| Column::number(it).within(rate)));
     columns.push(Column::left(INTERVAL_TITLE).within(rate));
     columns.extend(["held", "tracked", "truth"].map(|it| Column::number(it).within(rate)));
-    let has_ap = of_task.iter().any(|it| it.average_precision.is_some());
-    let more = ["P", "R", "AP"].into_iter().filter(|it| match *it {
-        "AP" => has_ap,
-        "P" => is_known,
-        _ => is_known,
-    });
-    let more: Vec<&str> = more.collect();
+    let has_ap = of_extent.iter().any(|it| it.average_precision.is_some());
+    let is_shown = |it: &&str| !is_short && is_known && (*it != "AP" || has_ap);
+    let more: Vec<&str> = ["P", "R", "AP"].into_iter().filter(is_shown).collect();
     columns.extend(more.iter().map(|it| Column::number(*it)));
     columns.extend(["p50", "p95"].map(|it| Column::number(it).within("age [ms]")));
     columns.push(Column::number("dropped"));
-    let mut before: Option<&Extent> = None;
-    let lines = of_task.iter().map(|it| {
-        let is_first = before != Some(&it.extent);
-        before = Some(&it.extent);
-        let label = if is_first { extent_cell(&it.extent, it.origin) } else { Cell::default() };
-        let kind = if is_first { LineKind::of(&it.extent) } else { LineKind::Detail };
+    let line = |it: &&Streamed| {
         let ages = it.ages_ms();
-        let age = |idx: usize| Cell::new(decimals_or_dash(ages.map(|it| it[idx]), 0));
-        let mut cells =
-            vec![label, Cell::new(&*it.detector), Cell::new(decimals_or_dash(it.latency_ms(), 1))];
-        cells.extend([it.per_scan, it.streamed].map(|it| Cell::new(percent(Some(it)))));
-        cells.push(interval_cell(it.within));
+        let age = |idx: usize| decimals_or_dash(ages.map(|it| it[idx]), 0);
         let others =
             [it.forecast(Forecast::Hold), it.forecast(Forecast::ConstantVelocity), it.sums.late_truth];
+        let mut cells = vec![it.detector.clone(), decimals_or_dash(it.latency_ms(), 1)];
+        cells.extend([it.per_scan, it.streamed].map(|it| percent(Some(it))));
+        let mut cells: Vec<Cell> = cells.into_iter().map(Cell::new).collect();
+        cells.push(interval_cell(it.within));
         cells.extend(others.map(|it| Cell::new(percent(it))));
         cells.extend(more.iter().map(|name| {
             Cell::new(percent_or_dash(match *name {
@@ -121,55 +156,39 @@ fn rates(of_task: &[&Streamed]) -> Grid {
                 _ => it.average_precision,
             }))
         }));
-        cells.extend([age(0), age(1), Cell::new(percent_or_dash(it.dropped()))]);
-        Line { kind, cells }
-    });
-    let lines = lines.collect();
-    Grid { columns, lines }
+        cells.extend([age(0), age(1), percent_or_dash(it.dropped())].map(Cell::new));
+        Line { kind: LineKind::Dataset, cells }
+    };
+    Grid { columns, lines: of_extent.iter().map(line).collect() }
 }
 
-/// Recall by speed and range of each detector, on all data sets of one origin together.
-fn slices(of_task: &[&Streamed]) -> Grid {
-    let has_several = of_task.iter().any(|it| it.extent.is_overall());
-    let shown: Vec<&&Streamed> = of_task.iter().filter(|it| !has_several || it.extent.is_overall()).collect();
-    let mut names: Vec<Slice> = shown.iter().flat_map(|it| it.slices.iter().map(|it| it.slice)).collect();
-    let is_speed = |it: &Slice| matches!(it, Slice::Speed(_));
-    names.sort_by(|a, b| is_speed(b).cmp(&is_speed(a)).then(a.cmp(b)));
+/// Recall by speed and range of each detector; `None` if nothing is known of either.
+fn slices(of_extent: &[&Streamed]) -> Option<Grid> {
+    // An object at the edge may be beyond it between two scans alone.
+    let of_scans = |it: &&StreamedSlice| it.per_scan.no() > 0;
+    let names = of_extent.iter().flat_map(|it| it.slices.iter().filter(of_scans).map(|it| it.slice));
+    let mut names: Vec<Slice> = names.collect();
+    let is_range = |it: &Slice| matches!(it, Slice::Range(_));
+    names.sort_by_key(|it| (is_range(it), *it));
     names.dedup();
-    if names.is_empty() {
-        return Grid { columns: Vec::new(), lines: Vec::new() };
-    }
     let column = |it: &Slice| {
         let name = it.name();
         let (group, bin) = name.split_once('/').unwrap_or(("", &name));
-        let unit = if group == "speed" { "m/s" } else { "m" };
+        let unit = if is_range(it) { "m" } else { "m/s" };
         Column::left(bin.to_owned()).within(format!("{group} [{unit}]"))
     };
-    let mut columns = vec![Column::left("data set"), Column::left("detector")];
-    columns.extend(names.iter().map(column));
-    let mut before: Option<&Extent> = None;
-    let lines = shown.iter().map(|it| {
-        let is_first = before != Some(&it.extent);
-        before = Some(&it.extent);
-        let label = if is_first { extent_cell(&it.extent, it.origin) } else { Cell::default() };
-        let mut cells = vec![label, Cell::new(&*it.detector)];
-        cells.extend(names.iter().map(|name| {
+    let columns = [Column::left("detector")].into_iter().chain(names.iter().map(column)).collect();
+    let line = |it: &&Streamed| {
+        let rates = names.iter().map(|name| {
             let found = it.slices.iter().find(|it| it.slice == *name);
-            Cell::new(found.map_or_else(
-                || "–".to_owned(),
-                |it| {
-                    format!(
-                        "{} → {}",
-                        percent_or_dash(it.per_scan.recall()),
-                        percent_or_dash(it.streamed.recall())
-                    )
-                },
-            ))
-        }));
-        Line { kind: if is_first { LineKind::of(&it.extent) } else { LineKind::Detail }, cells }
-    });
-    let lines = lines.collect();
-    Grid { columns, lines }
+            let [scans, streams] = [found.map(|it| it.per_scan), found.map(|it| it.streamed)]
+                .map(|counts| percent_or_dash(counts.and_then(Counts::recall)));
+            format!("{scans} → {streams}")
+        });
+        let cells = [it.detector.clone()].into_iter().chain(rates).map(Cell::new).collect();
+        Line { kind: LineKind::Dataset, cells }
+    };
+    (!names.is_empty()).then(|| Grid { columns, lines: of_extent.iter().map(line).collect() })
 }
 
 row! {

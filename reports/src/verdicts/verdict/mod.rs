@@ -16,6 +16,7 @@ use crate::verdicts::finding::Finding;
 use crate::verdicts::gated_metrics::{GatedMetric, Sides};
 use crate::verdicts::gated_objects::gated_objects;
 use crate::verdicts::gated_protocols::gated_protocols;
+use crate::verdicts::gated_streams::{StreamPair, gated_streams};
 use crate::verdicts::partial_differences::CurveName;
 use crate::verdicts::rule_problems::RuleProblems;
 use crate::verdicts::tolerances::{DriftRule, Tolerances};
@@ -216,15 +217,34 @@ pub fn judge(
     run: &RunArchive,
     tolerances: &Tolerances,
 ) -> Result<Verdict, JudgeError> {
+    judge_with_streams(baseline, run, tolerances, &[])
+}
+
+/// [`judge`] with the moments of both runs for each rule about streams.
+///
+/// # Errors
+///
+/// As [`judge`].
+pub fn judge_with_streams(
+    baseline: &RunArchive,
+    run: &RunArchive,
+    tolerances: &Tolerances,
+    streams: &[StreamPair],
+) -> Result<Verdict, JudgeError> {
     let comparable = check_comparable(baseline, run);
     if comparable.is_err() {
         RuleProblems::check(tolerances.path(), tolerances.problems.clone())?;
     }
     comparable?;
-    verdict(baseline, run, tolerances)
+    verdict(baseline, run, tolerances, streams)
 }
 
-fn verdict(baseline: &RunArchive, run: &RunArchive, tolerances: &Tolerances) -> Result<Verdict, JudgeError> {
+fn verdict(
+    baseline: &RunArchive,
+    run: &RunArchive,
+    tolerances: &Tolerances,
+    streams: &[StreamPair],
+) -> Result<Verdict, JudgeError> {
     let (before, after) = (baseline.tally(), run.tally());
     let draws = before.draw();
     let sides = Sides { before: &before, after: &after, draws: &draws };
@@ -233,6 +253,7 @@ fn verdict(baseline: &RunArchive, run: &RunArchive, tolerances: &Tolerances) -> 
     } else {
         let mut metrics = sides.gated_metrics(tolerances)?;
         metrics.extend(gated_protocols(&before, [&baseline.protocols, &run.protocols], tolerances)?);
+        metrics.extend(gated_streams(streams, tolerances)?);
         (metrics, draws.iter().map(Draw::blocks).reduce(BlockCount::with))
     };
     let nothing_run = || NotComparable { reasons: vec!["the baseline has no scans".to_owned()] };

@@ -123,6 +123,7 @@ fn held_to(quality: Vec<Rule>) -> Tolerances {
         origin: Origin::File("tolerances.toml".into()),
         quality,
         protocols,
+        streams: Vec::new(),
         speed: None,
         drift,
         problems,
