@@ -45,6 +45,7 @@ mod fit_density;
 mod gate;
 mod baseline;
 mod history;
+mod streaming;
 #[cfg(target_os = "linux")]
 mod full_disk;
 mod blocks;
