@@ -85,7 +85,7 @@ class Block:
         params = root.glob("*/src/params/**/*.*")
         files += [it for it in params if it.suffix != ".rs" and not it.name.startswith("partial")]
         files += [root / "datasets.toml", *root.glob("harness/simulator/src/sensors/*.toml")]
-        return checksum("\n".join([*self.commands, *self.shows]).encode(), golden(root), *sorted(map(said, files)))
+        return checksum("\n".join([*self.commands, *self.shows]).encode(), golden(root), *sorted(said(it, self.commands) for it in files))
 
     def why_stale(self, root: Path) -> list[str]:
         """What has changed since the block was made."""
@@ -102,15 +102,17 @@ class Block:
         return f"{head}{body}<!-- end{sums} -->"
 
 
-def said(file: Path) -> bytes:
+def said(file: Path, commands: list[str]) -> bytes:
     """What a file says: TOML without its comments and its layout, and of data sets neither where they come from nor those
-    to train on, which no block shows, nor those to stream, which have a page of their own."""
+    to train on, which no block shows; those to stream only if a command names one."""
     if file.suffix != ".toml":
         return file.read_bytes()
     content = tomllib.loads(file.read_text())
     for part in ("simulated", "groups"):
         if part in content:
-            content[part] = {name: it for name, it in content[part].items() if not name.startswith(("training-", "streaming-"))}
+            is_streamed = any("streaming-" in it for it in commands)
+            hidden = ("training-",) if is_streamed else ("training-", "streaming-")
+            content[part] = {name: it for name, it in content[part].items() if not name.startswith(hidden)}
     for entry in content.get("recorded", {}).values():
         for name in ("licence", "licence_url", "url", "download"):
             entry.pop(name, None)

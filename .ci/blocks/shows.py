@@ -415,12 +415,36 @@ def agreement(ratios: list[float]) -> str:
     return f"{share(n_alike, len(ratios))} %, {number(median_low(ratios), 2)}" if ratios else DASH
 
 
+def streaming_rates(results: list[Result]) -> str:
+    """How detectors do per scan and as they stream, on all data sets together."""
+    found = [it for it in rows(results[-1], "streaming.csv", slice="all") if it["dataset"].startswith("overall")]
+    lines: dict[tuple[str, ...], list[str]] = {}
+    for task in TASKS:
+        of_task = [it for it in found if it["task"] == task]
+        for detector in dict.fromkeys(it["detector"] for it in of_task):
+            of_it = [it for it in of_task if it["detector"] == detector]
+            here = {it["forecast"]: it for it in of_it if it["judged"] == "streams" and float(it["machine_speed"]) == 1}
+            streams = here["car-motion"]
+            scans, truth = (next(it for it in of_it if it["judged"] == judged) for judged in ("scans", "late-truth"))
+            within = f"{percent(streams['low'])} to {percent(streams['high'])}"
+            lines[(task, detector)] = [
+                percent(scans["f_rate"]),
+                f"{percent(streams['f_rate'])} ({within})",
+                *(percent(it["f_rate"]) for it in (here["hold"], here["constant-velocity"], truth)),
+                number(streams["age_p50_ms"], 0),
+                number(streams["age_p95_ms"], 0),
+                percent(streams["dropped"]),
+            ]
+    heads = ["task", "detector", "scans", "streams", "held", "tracked", "truth", "age, median (ms)", "95 % (ms)", "dropped (%)"]
+    return table(heads, lines)
+
+
 # Pictures
 
 
 def picture(results: list[Result], source: str, target: str, words: str) -> tuple[str, dict[str, bytes]]:
-    """A plot that a command left behind."""
-    return f"![{words}]({target})", {target: left(results[0], source).read_bytes()}
+    """A plot that the last command left behind."""
+    return f"![{words}]({target})", {target: left(results[-1], source).read_bytes()}
 
 
 def viewer(results: list[Result], target: str, words: str) -> tuple[str, dict[str, bytes]]:
@@ -446,6 +470,6 @@ def taken(by: str, of: Path, target: str, words: str) -> tuple[str, dict[str, by
 SHOWN = [
     file, file_head, claims, printed_table, overall_rates, over_seeds, compared_detectors, compared_runs,
     ablation_rates, rates_by_dataset, rates_with_intervals, gap_shares, gap_layouts, condition_changes, box_fits, box_slices,
-    fitness_summary, fitness_by_dataset, fitness_by_sensor, realism_agreement, picture, viewer, report_page,
+    fitness_summary, fitness_by_dataset, fitness_by_sensor, realism_agreement, streaming_rates, picture, viewer, report_page,
 ]  # fmt: skip
 SHOWS = {it.__name__.replace("_", "-"): it for it in SHOWN}
