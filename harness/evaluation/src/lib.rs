@@ -16,5 +16,6 @@ pub mod run;
 pub mod protocols;
 pub mod results_mcap;
 pub mod streaming;
+pub mod scoring;
 pub mod sweep;
 pub mod reproduction;

@@ -51,6 +51,29 @@ pub const MISTAKES: &str = "mistakes";
 
 const DETECTORS: &str = "world/sensor/detectors";
 
+/// A drive as detectors know it, in a frame that rests.
+pub const STREAM: &str = "stream";
+/// The points of the newest scan, where they were seen.
+pub const STREAM_SCAN: &str = "stream/scan";
+/// What moves with the car.
+pub const STREAM_SENSOR: &str = "stream/sensor";
+/// The car itself.
+pub const STREAM_CAR: &str = "stream/sensor/car";
+/// How old what each detector knows is.
+pub const STREAM_AGE: &str = "stream_series/age_ms";
+/// The share of objects that are where each detector has them.
+pub const STREAM_FOUND: &str = "stream_series/found";
+
+/// What a detector knows in [`STREAM`].
+pub fn known(detector: &str) -> EntityPath {
+    below("stream/sensor/known", &[detector])
+}
+
+/// The line of a detector among these series.
+pub fn stream_series(series: &str, detector: &str) -> EntityPath {
+    below(series, &[detector])
+}
+
 /// The kinds of stage products that have an entity of their own.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]

@@ -35,6 +35,7 @@ mod drive_frame;
 pub mod run_recording;
 pub mod sweep_recording;
 pub mod partial_recording;
+pub mod stream_recording;
 pub mod marks_layer;
 
 pub use drawn_points::PointChoice;

@@ -12,3 +12,4 @@ pub mod forecast;
 pub mod judgement;
 pub mod latencies;
 pub mod stream_study;
+pub mod stream_picture;

@@ -100,6 +100,12 @@ impl StreamStudy<'_> {
         Ok(result)
     }
 
+    /// What is true at each moment of a drive with scans at these times.
+    pub(super) fn moments_of(&self, truth: &TaskTruth<'_>, times_us: &[TimeUs]) -> Vec<(TimeUs, TrueMoment)> {
+        let at = |it: TimeUs| (it, truth.at(it));
+        moments(times_us, self.step_us).collect::<Vec<_>>().into_par_iter().map(at).collect()
+    }
+
     fn n_moments(&self, drive: &LoggedDrive) -> u32 {
         moments(&drive.times_us(), self.step_us).count() as u32
     }
@@ -110,10 +116,9 @@ impl StreamStudy<'_> {
         let mut parts = Vec::new();
         for (task, logged) in drive.tasks.iter().filter(|(task, _)| self.tasks.contains(task)) {
             let truth = TaskTruth::of(drive, &logged.labels);
-            let at = |it: TimeUs| (it, truth.at(it));
-            let moments: Vec<(TimeUs, TrueMoment)> =
-                moments(&times_us, self.step_us).collect::<Vec<_>>().into_par_iter().map(at).collect();
-            let of_scans: Vec<(TimeUs, TrueMoment)> = times_us.iter().map(|it| at(*it)).collect();
+            let moments = self.moments_of(&truth, &times_us);
+            let of_scans: Vec<(TimeUs, TrueMoment)> =
+                times_us.iter().map(|it| (*it, truth.at(*it))).collect();
             let of_detector = |detector_idx: usize| {
                 let course = Course {
                     study: self,
@@ -134,14 +139,14 @@ impl StreamStudy<'_> {
 
 /// A detector on a drive in one task.
 #[derive(Clone, Copy)]
-struct Course<'a> {
-    study: &'a StreamStudy<'a>,
-    drive: &'a LoggedDrive,
-    logged: &'a LoggedTask,
+pub(super) struct Course<'a> {
+    pub(super) study: &'a StreamStudy<'a>,
+    pub(super) drive: &'a LoggedDrive,
+    pub(super) logged: &'a LoggedTask,
     // Of each scan.
-    detections: &'a [Vec<LoggedDetection>],
-    moments: &'a [(TimeUs, TrueMoment)],
-    times_us: &'a [TimeUs],
+    pub(super) detections: &'a [Vec<LoggedDetection>],
+    pub(super) moments: &'a [(TimeUs, TrueMoment)],
+    pub(super) times_us: &'a [TimeUs],
 }
 
 impl Course<'_> {
@@ -196,7 +201,7 @@ impl Course<'_> {
     }
 
     /// Judges the newest of `answers` at every moment; before the first, nothing is known.
-    fn go(
+    pub(super) fn go(
         &self,
         answers: &[Answer],
         forecast: Forecast,

@@ -45,13 +45,15 @@ def find_program() -> Path:
     raise ScanbenchError("there is no program scanbench: install the wheel, or set SCANBENCH to where it is")
 
 
-def call(arguments: Sequence[str], *, quiet: bool) -> str:
-    """Runs the program and returns what it printed; raises ScanbenchError with its last lines if it fails."""
+def call(arguments: Sequence[str], *, quiet: bool, given: bytes | None = None) -> str:
+    """Runs the program on what it is `given` and returns what it printed; raises ScanbenchError with its last lines if it fails."""
     command = [str(find_program()), *arguments]
-    process = subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, errors="replace")
+    # It reads the caller's own input unless it is given some.
+    stdin = None if given is None else subprocess.PIPE
+    process = subprocess.Popen(command, stdin=stdin, stdout=subprocess.PIPE, stderr=subprocess.PIPE)
     with process:
         try:
-            printed, said = process.communicate()
+            printed, said = (text.decode(errors="replace") for text in process.communicate(given))
         except BaseException:
             # It ends its detectors before it goes.
             process.terminate()

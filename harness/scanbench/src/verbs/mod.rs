@@ -28,6 +28,7 @@ pub mod suspect_project;
 pub mod suspects;
 pub mod view;
 pub mod streaming;
+pub mod score;
 pub mod history;
 pub mod gate;
 pub mod gate_workflow;
@@ -162,6 +163,8 @@ pub enum Command {
     Gaps(gaps::GapsArgs),
     /// Measure the errors of five ways to fit boxes
     Boxes(boxes::BoxesArgs),
+    /// Judge annotations and detections that a program hands over
+    Score(score::ScoreArgs),
     /// Run one of our detectors for a program that speaks the protocol
     Serve(ServeArgs),
     /// Print the parameters of detectors, with what they mean
@@ -275,6 +278,7 @@ pub fn dispatch(cli: &Cli) -> Result<(), Failure> {
         Command::Suspects(arguments) => suspects::suspects(arguments),
         Command::Gate(arguments) => gate::gate(arguments),
         Command::Streaming(arguments) => streaming::streaming(arguments),
+        Command::Score(arguments) => score::score(arguments),
         Command::History(arguments) => history::history(arguments),
         Command::Baseline(BaselineCommand::Init(arguments)) => baseline::baseline_init(arguments),
         Command::Baseline(BaselineCommand::Accept(arguments)) => baseline::baseline_accept(arguments),

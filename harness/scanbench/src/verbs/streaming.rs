@@ -12,6 +12,7 @@ use evaluation::streaming::stream_study::StreamStudy;
 use reports::files::csv_rows::to_csv_bytes;
 use reports::files::whole_set::WholeSet;
 use reports::pages::streaming_page::StreamingPage;
+use reports::rows::scan_name::ScanName;
 use reports::rows::scan_row::ScanRow;
 use reports::run_folder::command_line::shell_word;
 use reports::run_folder::run_archive::RunArchive;
@@ -21,15 +22,16 @@ use reports::tables::formats::format::Format as _;
 use reports::tables::studies::streaming_table::{StreamingRow, StreamingTable};
 use reports::vocabulary::task::Task;
 
-use crate::cli::help_text::{DETECTORS, JUDGING, OUTPUT};
-use crate::plumbing::failure::{Failure, NothingEvaluated};
+use crate::cli::help_text::{DATA, DETECTORS, JUDGING, OUTPUT, VIEWER};
+use crate::plumbing::failure::{Failure, NothingEvaluated, Usage};
 use crate::plumbing::interruption::interruption_flag;
 use crate::plumbing::open_run::{open_run, refuse_unknown};
-use crate::plumbing::progress::progress_over_results;
+use crate::plumbing::progress::{progress_over_results, progress_over_scans};
+use crate::plumbing::recorder::record_stream;
 use crate::plumbing::run_manifest::criterion_in_words;
 use crate::plumbing::standard_streams::{Verbosity, is_said, print_diagnostic, print_text, terminal};
 use crate::plumbing::streams::Stream;
-use crate::verbs::worst_scans::task_named;
+use crate::verbs::worst_scans::{datasets_of, place_of, task_named};
 
 /// Arguments of `scanbench streaming`.
 #[derive(Debug, Args)]
@@ -56,6 +58,16 @@ pub struct StreamingArgs {
     /// Time from one moment to the next
     #[arg(long, value_name = "TIME", default_value = "10ms", value_parser = clock_ms, help_heading = JUDGING)]
     pub clock: f64,
+    /// Record a drive in real time for Rerun, too: scans as they are taken, answers as they are known [default FILE: `streaming.rrd` beside the page]
+    #[arg(long, value_name = "FILE", num_args = 0..=1, require_equals = true, help_heading = VIEWER)]
+    #[allow(clippy::option_option, reason = "both the option and its value may be left out")]
+    pub save_rrd: Option<Option<PathBuf>>,
+    /// Drive that is recorded [default: the first]
+    #[arg(long, value_name = "NAME", requires = "save_rrd", help_heading = VIEWER)]
+    pub drive: Option<String>,
+    /// Also fetch data from the addresses that the run names, for the recording
+    #[arg(long, requires = "save_rrd", help_heading = DATA)]
+    pub trust: bool,
     /// Directory for streaming.csv, streaming.html and figures/ [default: the run directory]
     #[arg(short, long, value_name = "DIR", help_heading = OUTPUT)]
     pub output: Option<PathBuf>,
@@ -124,6 +136,7 @@ Examples:
   scanbench streaming runs/kitti --criterion bev-iou --task vehicles
   scanbench streaming runs/mine --latency mine=120ms
   scanbench streaming runs/laptop --latencies-of runs/in-the-car
+  scanbench streaming runs/latest -d kd-tree,hierarchical --save-rrd --drive main-road-803595
 
 A clock goes through each drive. A detector takes the newest scan when it is free, and
 its answer is known from when it is done until the next. At every moment the newest
@@ -135,20 +148,25 @@ docs/streaming.md says more.";
 pub fn streaming(arguments: &StreamingArgs) -> Result<(), Failure> {
     let run = open_run(&arguments.run)?;
     let elsewhere = arguments.latencies_of.as_deref().map(open_run).transpose()?;
-    let made = Made::of(arguments, &run, elsewhere.as_ref().map(|it| &it.scans[..]))?;
+    let choice = Choice::of(arguments, &run, elsewhere.as_ref().map(|it| &it.scans[..]))?;
+    let drive_idx = choice.recorded_drive(arguments)?;
+    let notes = choice.notes(arguments);
+    let streamed = choice.streamed(arguments)?;
     let criterion = criterion_in_words(arguments.criterion.criterion());
-    let in_full = StreamingTable {
-        streamed: &made.streamed,
-        matched_by: &criterion,
-        notes: &made.notes,
-        is_short: false,
-    };
+    let in_full =
+        StreamingTable { streamed: &streamed, matched_by: &criterion, notes: &notes, is_short: false };
     let output = arguments.output.as_deref().unwrap_or(&arguments.run);
     write(&in_full, arguments, output)?;
     let is_short = !is_said(Verbosity::Verbose);
     print_text(&terminal().text(&StreamingTable { is_short, ..in_full }))?;
     print_diagnostic(format_args!("Page: {}", output.join("streaming.html").display()));
-    Ok(())
+    match &arguments.save_rrd {
+        Some(file) => {
+            let path = file.clone().unwrap_or_else(|| output.join("streaming.rrd"));
+            choice.record(arguments, drive_idx, &path)
+        }
+        None => Ok(()),
+    }
 }
 
 fn write(table: &StreamingTable<'_>, arguments: &StreamingArgs, output: &Path) -> Result<(), Failure> {
@@ -166,64 +184,59 @@ fn write(table: &StreamingTable<'_>, arguments: &StreamingArgs, output: &Path) -
     Ok(())
 }
 
-/// The numbers, and what else has to be said of them.
-struct Made {
-    streamed: Vec<Streamed>,
-    notes: Vec<String>,
+/// A run as a stream, and what is asked of it.
+struct Choice<'a> {
+    stream: Stream<'a>,
+    tasks: Vec<Task>,
+    latencies: Vec<Vec<Vec<f64>>>,
 }
 
-impl Made {
+impl<'a> Choice<'a> {
     fn of(
         arguments: &StreamingArgs,
-        run: &RunArchive,
+        run: &'a RunArchive,
         elsewhere: Option<&[ScanRow]>,
     ) -> Result<Self, Failure> {
         let known = run.detector_names();
-        let asked: Vec<&str> = arguments.detectors.iter().map(String::as_str).collect();
-        let fixed = arguments.latencies.iter().map(|it| it.detector.as_str());
-        asked.iter().copied().chain(fixed).try_for_each(|it| refuse_unknown("detector", it, &known))?;
-        let detectors = if asked.is_empty() { known } else { asked };
+        let asked = arguments.detectors.iter().chain(arguments.latencies.iter().map(|it| &it.detector));
+        asked.clone().try_for_each(|it| refuse_unknown("detector", it, &known))?;
+        let is_asked =
+            |it: &&str| arguments.detectors.is_empty() || arguments.detectors.iter().any(|name| name == it);
+        let detectors = known.into_iter().filter(is_asked).collect();
         let tasks: Vec<Task> = match &arguments.task[..] {
             [] => run.tally().tasks().to_vec(),
             named => named.iter().map(|it| task_named(run, it)).collect::<Result<_, _>>()?,
         };
         let stream = Stream::of(run, &arguments.run, detectors)?;
-        let Stream { detectors, drives, .. } = &stream;
-        let mut notes = stream.notes.clone();
-        let source = LatencySource {
-            fixed_ms: arguments.latencies.iter().map(|it| (it.detector.clone(), it.latency_ms)).collect(),
-            elsewhere,
-        };
-        let latencies = stream.latencies(&source)?;
-        notes.extend(about_times(arguments, run));
-        let study = StreamStudy {
-            drives,
-            detectors,
-            tasks: &tasks,
-            latencies: &latencies,
+        let fixed_ms = arguments.latencies.iter().map(|it| (it.detector.clone(), it.latency_ms)).collect();
+        let latencies = stream.latencies(&LatencySource { fixed_ms, elsewhere })?;
+        Ok(Self { stream, tasks, latencies })
+    }
+
+    fn study(&self, arguments: &StreamingArgs) -> StreamStudy<'_> {
+        StreamStudy {
+            drives: &self.stream.drives,
+            detectors: &self.stream.detectors,
+            tasks: &self.tasks,
+            latencies: &self.latencies,
             criterion: arguments.criterion.criterion(),
             step_us: (1000.0 * arguments.clock).round() as i64,
             is_in_full: true,
-        };
-        notes.push(format!(
-            "{} drives, {} scans, a moment every {} ms.",
-            drives.len(),
-            drives.iter().map(|it| it.scans.len()).sum::<usize>(),
-            arguments.clock
-        ));
-        let progress = progress_over_results(drives.len(), 0, "drives");
+        }
+    }
+
+    /// The numbers of all drives.
+    fn streamed(&self, arguments: &StreamingArgs) -> Result<Vec<Streamed>, Failure> {
+        let n_drives = self.stream.drives.len();
+        let progress = progress_over_results(n_drives, 0, "drives");
         let mut n_done = 0;
-        let result = study.run(
-            || run.manifest.tally_of_moments(),
+        let result = self.study(arguments).run(
+            || self.stream.run.manifest.tally_of_moments(),
             || {
                 progress.inc(1);
                 n_done += 1;
                 let is_interrupted = interruption_flag().load(Ordering::Relaxed);
-                if is_interrupted {
-                    Err(RunError::Interrupted { n_done, n_scans: drives.len() })
-                } else {
-                    Ok(())
-                }
+                if is_interrupted { Err(RunError::Interrupted { n_done, n_scans: n_drives }) } else { Ok(()) }
             },
         )?;
         progress.finish_and_clear();
@@ -232,7 +245,55 @@ impl Made {
             let reason = "no object that counts can be followed: it needs boxes and tracks".to_owned();
             return Err(NothingEvaluated { reason }.into());
         }
-        Ok(Self { streamed, notes })
+        Ok(streamed)
+    }
+
+    /// What a reader has to know beside the numbers.
+    fn notes(&self, arguments: &StreamingArgs) -> Vec<String> {
+        let mut notes = self.stream.notes.clone();
+        notes.extend(about_times(arguments, self.stream.run));
+        notes.push(format!(
+            "{} drives, {} scans, a moment every {} ms.",
+            self.stream.drives.len(),
+            self.stream.drives.iter().map(|it| it.scans.len()).sum::<usize>(),
+            arguments.clock
+        ));
+        notes
+    }
+
+    /// Index of the drive that is recorded.
+    fn recorded_drive(&self, arguments: &StreamingArgs) -> Result<usize, Usage> {
+        let Some(name) = &arguments.drive else { return Ok(0) };
+        let found = self.stream.drives.iter().position(|it| it.name == *name);
+        found.ok_or_else(|| {
+            let names: Vec<&str> = self.stream.drives.iter().map(|it| it.name.as_str()).collect();
+            Usage(format!("the run has no drive {name:?}; its drives are {}", names.join(", ")))
+        })
+    }
+
+    /// Records the drive with this index to the file at `path`.
+    fn record(&self, arguments: &StreamingArgs, drive_idx: usize, path: &Path) -> Result<(), Failure> {
+        let drive = &self.stream.drives[drive_idx];
+        let task = if self.tasks.contains(&Task::Vehicles) { Task::Vehicles } else { self.tasks[0] };
+        let Some(picture) = self.study(arguments).picture(drive_idx, task) else {
+            let reason = format!("drive {} has nothing of the task {task}", drive.name);
+            return Err(NothingEvaluated { reason }.into());
+        };
+        let datasets = datasets_of(&self.stream.run.manifest, arguments.trust)?;
+        let progress = progress_over_scans(drive.scans.len(), "recording");
+        record_stream(path, &format!("{} in real time", drive.name), &picture, |scan_idx| {
+            let ScanName { dataset, sequence, scan } = &drive.scans[scan_idx].name;
+            let [dataset_idx, scan_idx] = place_of(&datasets, (dataset, sequence, *scan))?;
+            progress.inc(1);
+            Ok(datasets[dataset_idx].dataset.read_scan(scan_idx)?)
+        })?;
+        progress.finish_and_clear();
+        print_diagnostic(format_args!(
+            "Recording of {}: rerun {}",
+            drive.name,
+            shell_word(&path.display().to_string())
+        ));
+        Ok(())
     }
 }
 

@@ -13,7 +13,7 @@ use super::points_in_boxes::PointsAlongX;
 use super::recorded_detections::{RecordedDetections, split_topic};
 use super::result_files::ResultFiles;
 use super::result_format::{ResultFormat, format_of};
-use super::result_reader::{OpenResults, ResultsOf};
+use super::result_reader::{FoundInScan, OpenResults, ResultReader, ResultsOf};
 use super::semantic_labels::{self, SemanticLabels};
 use crate::annotation::{LabeledScan, ScanId};
 use crate::dataset::checksum::{DatasetChecksum, sha256};
@@ -151,7 +151,37 @@ fn open_at(
     Ok(results)
 }
 
+/// Detections that are in memory, by scan.
+struct InMemory(Vec<ForeignDetections>);
+
+impl ResultReader for InMemory {
+    fn has(&self, scan_idx: usize) -> bool {
+        scan_idx < self.0.len()
+    }
+
+    fn read(&mut self, scan_idx: usize, _: &LabeledScan) -> FoundInScan {
+        Ok(self.0.get(scan_idx).cloned())
+    }
+}
+
 impl ForeignResults {
+    /// The detections `found`, an entry for each scan of `dataset`, as files of our own have them.
+    pub fn in_memory(dataset: &dyn Dataset, found: Vec<ForeignDetections>) -> Self {
+        Self {
+            path: PathBuf::from("memory"),
+            format: ResultFormat::OwnFiles,
+            dataset: dataset.description().id.clone(),
+            checksum: String::new(),
+            files: BTreeMap::new(),
+            opened: OpenResults::new(InMemory(found), Vec::new()),
+            asked: dataset.scan_ids().iter().cloned().zip(0..).collect(),
+            missing: MissingResults::Refuse,
+            n_missing: 0,
+            n_near_boxes: 0,
+            n_empty_boxes: 0,
+        }
+    }
+
     /// The format; its name is shown on screens.
     pub fn format(&self) -> ResultFormat {
         self.format

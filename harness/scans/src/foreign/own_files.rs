@@ -32,7 +32,7 @@ use crate::foreign::foreign_class::ForeignClass;
 pub const ENDINGS: [&str; 4] = [".u32", ".clusters.csv", ".boxes.csv", ".csv"];
 
 /// Name in files of `detect` for an object that is no vehicle.
-const VOCABULARY: &Vocabulary = &[("object", AnnotationClass::Misc)];
+pub const VOCABULARY: &Vocabulary = &[("object", AnnotationClass::Misc)];
 
 /// The columns that boxes need.
 const BOX_COLUMNS: [&str; 7] =

@@ -19,6 +19,7 @@ mod scene;
 mod compare;
 mod stages;
 pub mod growth;
+pub mod streams;
 
 /// Content of a recording that the blueprint lays out.
 pub struct RecordingLayout<'a> {

@@ -20,13 +20,15 @@ use crate::plumbing::standard_streams::print_diagnostic;
 mod with_viewer;
 #[cfg(feature = "viewer")]
 pub use with_viewer::{
-    Recorder, begin, is_wanted, record_growths, record_marks, record_sweep, records_growths, rerun_version,
+    Recorder, begin, is_wanted, record_growths, record_marks, record_stream, record_sweep, records_growths,
+    rerun_version,
 };
 #[cfg(not(feature = "viewer"))]
 mod without_viewer;
 #[cfg(not(feature = "viewer"))]
 pub use without_viewer::{
-    Recorder, begin, is_wanted, record_growths, record_marks, record_sweep, records_growths, rerun_version,
+    Recorder, begin, is_wanted, record_growths, record_marks, record_stream, record_sweep, records_growths,
+    rerun_version,
 };
 
 /// Where a recording is written unless the user names a file.

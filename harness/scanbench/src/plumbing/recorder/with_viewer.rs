@@ -6,11 +6,14 @@ use evaluation::partial::growth::Growth;
 use evaluation::run::scan_recorder::{
     ChangedScan, MarksByDetector, RecordedScan, RecordingEnding, ScanRecorder,
 };
+use evaluation::streaming::stream_picture::StreamPicture;
 use evaluation::sweep::quality_pass::SweptDataset;
 use evaluation::sweep::sweep_plan::SweepPlan;
 use reports::numbers::sweep_score::SweepScores;
 use reports::run_folder::run_directory::RunDirectory;
+use scans::annotation::LabeledScan;
 use viewer::run_recording::{RecordingError, RecordingPath, RunRecording, RunRecordingOptions};
+use viewer::stream_recording::StreamRecording;
 use viewer::{
     FirstTab, Opening, PointChoice, StreamError, StreamOptions, ViewerChoice, marks_layer, partial_recording,
     sweep_recording,
@@ -122,6 +125,20 @@ pub fn record_growths(path: &Path, name: &str, growths: &[Growth]) -> Result<(),
 /// Writes a layer with pointers at `marks` into the recording in `folder`.
 pub fn record_marks(folder: &Path, marks: &MarksByDetector) -> Result<(), Failure> {
     Ok(marks_layer::write_marks(folder, marks)?)
+}
+
+/// Records `picture`, called `name`, to the file at `path`; `scan_of` reads the scan with this index in its drive.
+pub fn record_stream(
+    path: &Path,
+    name: &str,
+    picture: &StreamPicture,
+    mut scan_of: impl FnMut(usize) -> Result<LabeledScan, Failure>,
+) -> Result<(), Failure> {
+    let recording = StreamRecording::begin(path, name, picture)?;
+    for (scan_idx, taken) in picture.scans.iter().enumerate() {
+        recording.add_scan(taken, &scan_of(scan_idx)?)?;
+    }
+    Ok(recording.finish(path)?)
 }
 
 /// The version of Rerun that recordings are made with.

@@ -6,10 +6,12 @@ use evaluation::partial::growth::Growth;
 use evaluation::run::scan_recorder::{
     ChangedScan, MarksByDetector, RecordedScan, RecordingEnding, ScanRecorder,
 };
+use evaluation::streaming::stream_picture::StreamPicture;
 use evaluation::sweep::quality_pass::SweptDataset;
 use evaluation::sweep::sweep_plan::SweepPlan;
 use reports::numbers::sweep_score::SweepScores;
 use reports::run_folder::run_directory::RunDirectory;
+use scans::annotation::LabeledScan;
 
 use super::RecordingPlan;
 use crate::cli::{PartialArgs, StreamArgs};
@@ -80,6 +82,16 @@ pub fn record_growths(_: &Path, _: &str, _: &[Growth]) -> Result<(), Failure> {
 /// Refuses.
 pub fn record_marks(_: &Path, _: &MarksByDetector) -> Result<(), Failure> {
     Err(Usage("--with-viewer needs Rerun, but this program was built without it".to_owned()).into())
+}
+
+/// Refuses.
+pub fn record_stream(
+    _: &Path,
+    _: &str,
+    _: &StreamPicture,
+    _: impl FnMut(usize) -> Result<LabeledScan, Failure>,
+) -> Result<(), Failure> {
+    Err(Usage("--save-rrd needs Rerun, but this program was built without it".to_owned()).into())
 }
 
 /// None: no recordings are made.

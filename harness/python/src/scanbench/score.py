@@ -1,0 +1,175 @@
+"""Scores of annotations and detections that are in memory, as at the end of an epoch."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any, Literal
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from scanbench.detections import Boxes
+from scanbench.frame import Backend, columns_of_csv, columns_of_rows, frame, installed
+from scanbench.program import call
+
+Criterion = Literal["centre", "bev-iou", "iou-3d", "points"]
+
+
+@dataclass
+class Annotations:
+    """Upright boxes that are labelled in one scan, in the sensor frame; the columns are those of `Boxes`."""
+
+    rows: ArrayLike
+    """m × 7."""
+    classes: Sequence[str]
+    """A class for each box."""
+    n_points: ArrayLike | None = None
+    """Number of points of each, where `score` is given no clouds; those with fewer than 20 do not count."""
+    tracks: ArrayLike | None = None
+    """Number of each object within its drive."""
+
+    def __post_init__(self) -> None:
+        self.rows = Boxes(self.rows).array
+        for name in ("classes", "n_points", "tracks"):
+            values = getattr(self, name)
+            if values is not None and len(values) != len(self.array):
+                raise ValueError(f"{len(values)} {name} for {len(self.array)} boxes")
+
+    @property
+    def array(self) -> NDArray[np.float32]:
+        """The m × 7 numbers."""
+        return np.asarray(self.rows, dtype="<f4")
+
+
+class Score:
+    """Numbers of one detector, and the rows that they are made of."""
+
+    def __init__(self, answer: Mapping[str, Any]) -> None:
+        self._answer = answer
+        self.backend: Backend = installed()
+
+    @property
+    def report(self) -> Any:
+        """Every number with its interval, a row for each task, slice and metric."""
+        return self.frame("report")
+
+    @property
+    def scans(self) -> Any:
+        """Counts, a row for each scan and task."""
+        return self.frame("scans")
+
+    @property
+    def matches(self) -> Any:
+        """A row for each pair, and for each missed, false, ignored or unknowable object."""
+        return self.frame("matches")
+
+    def frame(self, name: Literal["report", "scans", "matches"], backend: Backend | None = None) -> Any:
+        """A table as a data frame of pandas or polars, whichever is installed first, or of NumPy: a dictionary of columns."""
+        if name == "report":
+            columns = columns_of_rows(self._answer["report"]["rows"])
+        else:
+            columns = columns_of_csv(self._answer[name])
+        return frame(columns, backend or self.backend)
+
+    def value(self, metric: str, task: str = "vehicles", part: str = "all") -> float | None:
+        """A number of the report, such as `f_rate`, `recall` or `ap_101_points`; None where it is undefined.
+
+        `task` is `objects`, `vehicles` or a class, `part` a slice such as `range/0-15`. Raises KeyError if there is no such number.
+        """
+        for row in self._answer["report"]["rows"]:
+            if (row["metric"], row["task"], row["slice"]) == (metric, task, part):
+                value = row["value"]
+                return None if value is None else float(value)
+        raise KeyError(f"{metric} of {task}, {part}")
+
+
+def score(
+    annotations: Sequence[Annotations],
+    detections: Sequence[Boxes],
+    *,
+    clouds: Sequence[ArrayLike] | None = None,
+    scans: Sequence[tuple[str, int]] | None = None,
+    times_s: Sequence[float] | None = None,
+    criterion: Criterion = "centre",
+    labelled: Sequence[str] | None = None,
+    classes: Mapping[str, str] | None = None,
+    dataset: str = "scans",
+    detector: str = "detector",
+    sensor_height_m: float = 1.73,
+    parameters: Mapping[str, Any] | None = None,
+) -> Score:
+    """Judges detections of some scans by their annotations, an entry of both for each scan; nothing is written.
+
+    The numbers are those of `scanbench run --detections` on the same scans. `clouds` (n × 3 or more) decide how many points an object
+    has, and are needed by the criterion `points`. `scans` names each scan by drive and number; without, all are of one drive.
+    `times_s` is when each was taken in its drive: intervals are drawn over drives, or seconds. `labelled` are the classes that are
+    labelled, by default those of the annotations; an empty list says that nothing which stands on the street is left out. `classes`
+    says what other names stand for, such as `{"forklift": "misc"}`; `parameters` are those of matching (`-P`).
+
+    Raises ScanbenchError, with `exit_code`, if something is wrong.
+    """
+    n_scans = len(annotations)
+    for name, of_scans in (("detections", detections), ("clouds", clouds), ("scans", scans), ("times_s", times_s)):
+        if of_scans is not None and len(of_scans) != n_scans:
+            raise ValueError(f"{len(of_scans)} {name} for annotations of {n_scans} scans")
+    points = None if clouds is None else [_points(cloud) for cloud in clouds]
+    request = {
+        "dataset": dataset,
+        "detector": detector,
+        "criterion": criterion,
+        "labelled": None if labelled is None else list(labelled),
+        "classes": dict(classes or {}),
+        "sensor_height_m": sensor_height_m,
+        "scans": [
+            {
+                "sequence": scans[idx][0] if scans is not None else "0",
+                "scan": int(scans[idx][1]) if scans is not None else idx,
+                "time_s": float(times_s[idx]) if times_s is not None else None,
+                "n_points": len(points[idx]) if points is not None else None,
+                "annotations": _annotations(annotations[idx]),
+                "detections": _detections(detections[idx]),
+            }
+            for idx in range(n_scans)
+        ],
+    }
+    words = [word for name, value in (parameters or {}).items() for word in ("-P", f"{name}={json.dumps(value)}")]
+    payload = b"".join(cloud.tobytes() for cloud in points or [])
+    answer = call(["score", *words], quiet=True, given=json.dumps(request).encode() + b"\n" + payload)
+    return Score(json.loads(answer))
+
+
+def _points(cloud: ArrayLike) -> NDArray[np.float32]:
+    array = np.asarray(cloud, dtype="<f4")
+    if array.ndim != 2 or array.shape[1] < 3:
+        raise ValueError(f"a cloud is an array of n x 3 or more, not of {array.shape}")
+    return np.ascontiguousarray(array[:, :3])
+
+
+def _annotations(of_scan: Annotations) -> list[dict[str, Any]]:
+    def numbers(values: ArrayLike | None) -> list[int | None]:
+        return [None] * len(of_scan.array) if values is None else [int(it) for it in np.asarray(values)]
+
+    rows, names = of_scan.array.tolist(), list(of_scan.classes)
+    columns = zip(rows, names, numbers(of_scan.n_points), numbers(of_scan.tracks), strict=True)
+    return [
+        {
+            "class": name,
+            "center_m": row[:3],
+            "length_width_height_m": row[3:6],
+            "yaw_rad": row[6],
+            "n_points": n_points,
+            "track": track,
+        }
+        for row, name, n_points, track in columns
+    ]
+
+
+def _detections(of_scan: Boxes) -> list[dict[str, Any]]:
+    of_scan.check()
+    n_boxes = len(of_scan)
+    classes = [None] * n_boxes if of_scan.classes is None else list(of_scan.classes)
+    scores = [None] * n_boxes if of_scan.scores is None else np.asarray(of_scan.scores, dtype="<f4").tolist()
+    columns = zip(of_scan.array.tolist(), classes, scores, strict=True)
+    return [{"class": name, "score": value, "values": row} for row, name, value in columns]
