@@ -59,6 +59,8 @@ pub const STREAM_SCAN: &str = "stream/scan";
 pub const STREAM_SENSOR: &str = "stream/sensor";
 /// The car itself.
 pub const STREAM_CAR: &str = "stream/sensor/car";
+/// Circles around the car.
+pub const STREAM_RINGS: &str = "stream/sensor/range_rings";
 /// How old what each detector knows is.
 pub const STREAM_AGE: &str = "stream_series/age_ms";
 /// The share of objects that are where each detector has them.

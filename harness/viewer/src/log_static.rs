@@ -33,7 +33,7 @@ fn forward_arrow() -> Arrows3D {
 }
 
 /// At 10, 20 and 30 m. An eye that goes along keeps all of them in view.
-fn range_rings() -> LineStrips3D {
+pub fn range_rings() -> LineStrips3D {
     const N_CORNERS: u8 = 72;
     let ring = |radius_m: f32| {
         (0..=N_CORNERS).map(move |corner| {

@@ -18,6 +18,7 @@ use super::blueprint::streams::send_stream_blueprint;
 use super::drawn_points::{DrawnPoints, PointChoice};
 use super::error::StreamError;
 use super::layers::APPLICATION_ID;
+use super::log_static::range_rings;
 use super::palette::Rgb;
 use super::recording_file::RecordingFile;
 use super::{archetypes, entity_paths, legend, palette, recording};
@@ -125,6 +126,7 @@ fn log_lines(stream: &RecordingStream, picture: &StreamPicture) -> Result<(), St
         OrientedBox { center_m: [-0.8, 0.0, -1.0], length_width_height_m: [4.2, 1.8, 1.4], yaw_rad: 0.0 };
     let car = archetypes::boxes([car]).with_colors([legend::rgba(palette::SKY_BLUE)]);
     recording::log_static(stream, entity_paths::STREAM_CAR, &car)?;
+    recording::log_static(stream, entity_paths::STREAM_RINGS, &range_rings())?;
     for (detector_idx, (name, _)) in picture.detectors.iter().enumerate() {
         let line = SeriesLines::new()
             .with_names([name.as_str()])

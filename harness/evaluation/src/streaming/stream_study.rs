@@ -90,7 +90,9 @@ impl StreamStudy<'_> {
                 {
                     for (scan, matches) in rows {
                         tally.add_scan(&scan);
-                        matches.iter().for_each(|(row, speed)| tally.add_match_in(row, *speed));
+                        for (row, speed) in &matches {
+                            tally.add_match_in(row, *speed);
+                        }
                     }
                 }
             }

@@ -54,16 +54,14 @@ impl Tracker {
                 (is_seen[track_idx], track_of[center_idx]) = (true, Some(track_idx));
             }
         }
-        let velocities = centers_m.iter().zip(&track_of).map(|(center_m, track_idx)| match *track_idx {
-            Some(track_idx) => {
-                self.tracks[track_idx] = expected[track_idx].corrected(*center_m);
-                let state = &self.tracks[track_idx].state;
-                [state[2], state[3]]
-            }
-            None => {
+        let velocities = centers_m.iter().zip(&track_of).map(|(center_m, track_idx)| {
+            let Some(track_idx) = *track_idx else {
                 self.tracks.push(Track::new(at_us, *center_m));
-                [0.0; 2]
-            }
+                return [0.0; 2];
+            };
+            self.tracks[track_idx] = expected[track_idx].corrected(*center_m);
+            let state = &self.tracks[track_idx].state;
+            [state[2], state[3]]
         });
         velocities.collect()
     }

@@ -251,10 +251,6 @@ mod tests {
                 }
             }
         }
-        println!(
-            "{n_compared} boxes, {n_moving} of them moving: off by at most {on_ground_m:.4} m on the ground, {seen_m:.4} m from \
-             the car, {turned_rad:.4} rad"
-        );
         assert!(n_compared > 5000 && n_moving > 500, "{n_compared} {n_moving}");
         assert!(
             on_ground_m < 0.03 && seen_m < 0.25 && turned_rad < 0.01,

@@ -28,8 +28,8 @@ fn with_run() -> Workplace {
 type Rows = Vec<BTreeMap<String, String>>;
 
 fn rows(workplace: &Workplace, name: &str) -> Rows {
-    let mut reader = csv::Reader::from_path(workplace.path(name)).unwrap();
-    reader.deserialize().map(Result::unwrap).collect()
+    let mut reader = csv::Reader::from_path(workplace.path(name)).expect("the file is there");
+    reader.deserialize().map(|it| it.expect("a row is text by column")).collect()
 }
 
 /// The rows of `streaming.csv` with these values.
@@ -38,7 +38,7 @@ fn select<'a>(rows: &'a Rows, values: &[(&str, &str)]) -> Vec<&'a BTreeMap<Strin
 }
 
 fn counts(row: &BTreeMap<String, String>) -> [u64; 3] {
-    ["no", "tp", "fo"].map(|it| row[it].parse().unwrap())
+    ["no", "tp", "fo"].map(|it| row[it].parse().expect("a count"))
 }
 
 #[test]

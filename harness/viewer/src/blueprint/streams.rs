@@ -51,6 +51,7 @@ fn scene(name: &str, title: &str, properties: &mut Vec<Property>) -> ContainerLi
     let contents = [
         format!("+ /{}/**", entity_paths::STREAM_SCAN),
         format!("+ /{}", entity_paths::STREAM_CAR),
+        format!("+ /{}", entity_paths::STREAM_RINGS),
         format!("+ {}/**", entity_paths::known(name)),
     ];
     let view: ContainerLike =
@@ -59,7 +60,7 @@ fn scene(name: &str, title: &str, properties: &mut Vec<Property>) -> ContainerLi
         .with_position([-22.0_f32, -6.0, 20.0])
         .with_look_target([6.0_f32, 0.0, -1.5])
         .with_eye_up([0.0_f32, 0.0, 1.0])
-        .with_tracking_entity(format!("/{}", entity_paths::STREAM_CAR));
+        .with_tracking_entity(format!("/{}", entity_paths::STREAM_RINGS));
     add(properties, &view, "EyeControls3D", eye);
     add(properties, &view, "Background", plain_background());
     add(properties, &view, "LineGrid3D", LineGrid3D::new().with_visible(false));
