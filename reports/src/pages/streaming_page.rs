@@ -25,14 +25,17 @@ impl StreamingPage {
         let pictures = html! {
             @for it in &figures { (wide_picture("The speed of the computer", &it.svg, &caption())) }
         };
+        let sheet = table.sheet();
         let header = html! {
             p.kicker { "scanbench" }
             h1 { "Streaming: " (run) }
             p.facts { "Made of the rows of the run, by " code { (command) } }
+            @for it in &sheet.lead { p { (it) } }
+            p { a href="report.html" { "The page of the run" } }
         };
         let sections = [
             Section::new("Machines", "Which detector is best on which computer", pictures),
-            Section::new("Rates", "Per scan, and as it streams", titled_tables(&table.sheet(), "Rates")),
+            Section::new("Rates", "Per scan, and as it streams", titled_tables(&sheet, "Rates")),
         ];
         Self { html: document(&format!("streaming of {run}"), &header, &sections), figures }
     }
@@ -41,7 +44,7 @@ impl StreamingPage {
 fn caption() -> Markup {
     html! {
         "The rate of every detector if the computer were as many times as fast: all its measured times are divided by that. \
-         To the left a detector that is slower drops more scans and is older; to the right all come near what they reach per scan, \
+         To the left slower detectors drop scans, and their answers are older; to the right all come near what they reach per scan, \
          except for what moves between two scans."
     }
 }

@@ -35,9 +35,9 @@ pub fn streaming_plot(streamed: &[&Streamed], of: &str) -> Option<String> {
             x_words: Some(words),
             // The words at the line stand above all curves.
             y_range: Some([0.0, 110.0]),
-            notes: vec![Note::Upright(this, "measured here".to_owned())],
+            notes: vec![Note::Upright(this, "times as they are".to_owned())],
             ..CurvePanel::over(
-                "speed of the computer, as a multiple of the one that was measured on",
+                "speed of the computer, as a multiple of the one that the times are of",
                 format!("{}, streaming (%)", if is_known { "F-rate" } else { "recall" }),
             )
         })

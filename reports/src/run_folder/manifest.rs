@@ -10,6 +10,7 @@ use crate::files::archive::{ArchiveError, pretty_json, read_json};
 use crate::files::shown_text::printable_name;
 use crate::numbers::pools::{Pool, pools};
 use crate::numbers::tally::{Processors, Tally};
+use crate::rows::scan_row::ScanRow;
 use crate::run_folder::partial_entry::PartialEntry;
 use crate::run_folder::seen_labels::SeenLabels;
 use crate::run_folder::shard_record::{ShardRecord, processors_of};
@@ -402,15 +403,19 @@ impl Manifest {
             .with_slices(self.slices.iter().filter_map(slice).collect())
     }
 
-    /// The drives that scans come from where their sequence does not say so, by id of the data set and name of the scan.
-    pub fn named_drives(&self) -> BTreeMap<(&str, String), &str> {
+    /// A function that gives a scan the name of its drive: its sequence, unless something better is known.
+    pub fn drive_of(&self) -> impl Fn(&ScanRow) -> String + use<'_> {
         let mut drives = BTreeMap::new();
         for dataset in &self.datasets {
             for (drive, scans) in &dataset.blocks {
                 drives.extend(scans.iter().map(|scan| ((dataset.id.as_str(), scan.clone()), drive.as_str())));
             }
         }
-        drives
+        move |row| {
+            let name = format!("{}/{:06}", row.sequence, row.scan);
+            let drive = drives.get(&(row.dataset.as_str(), name)).copied();
+            drive.unwrap_or(&row.sequence).to_owned()
+        }
     }
 
     /// The content of `manifest.json`.

@@ -24,8 +24,6 @@ pub struct DetectorSums {
     pub by_machine: Vec<(MachineSpeed, Counts)>,
     /// Age of what was known at each moment, in milliseconds; only of moments at which something was.
     pub ages_ms: Vec<f64>,
-    /// Number of moments.
-    pub n_moments: u64,
     /// Times of detection of all scans in milliseconds.
     pub latencies_ms: Vec<f64>,
     /// How many scans were taken.
@@ -48,7 +46,6 @@ impl DetectorSums {
             }
         }
         self.ages_ms.extend(other.ages_ms);
-        self.n_moments += other.n_moments;
         self.latencies_ms.extend(other.latencies_ms);
         self.n_taken += other.n_taken;
     }
@@ -57,6 +54,13 @@ impl DetectorSums {
 /// No object, and no false detection.
 pub fn none_of() -> Counts {
     Counts::new(0, 0, Some(0)).expect("nothing is found of nothing")
+}
+
+/// The lower median; `None` of nothing.
+pub fn lower_median(values: &[f64]) -> Option<f64> {
+    let mut sorted = values.to_vec();
+    sorted.sort_by(f64::total_cmp);
+    sorted.get(sorted.len().saturating_sub(1) / 2).copied()
 }
 
 fn add(sum: &mut Counts, counts: Counts) {

@@ -6,7 +6,7 @@ use crate::numbers::pools::Pool;
 use crate::numbers::tally::Tally;
 use crate::rows::counts::Counts;
 use crate::streaming::machine_speed::MachineSpeed;
-use crate::streaming::stream_sums::{DetectorSums, StreamSums};
+use crate::streaming::stream_sums::{DetectorSums, StreamSums, lower_median};
 use crate::uncertainty::sample::{Draw, Question};
 use crate::vocabulary::extent::Extent;
 use crate::vocabulary::forecast::Forecast;
@@ -113,7 +113,7 @@ impl Streamed {
         };
         let is_shown = |it: &Slice| matches!(it, Slice::Range(_) | Slice::Speed(_));
         let slices = streamed.slices(task, detector).into_iter().filter(is_shown).filter_map(|slice| {
-            let none = Counts::new(0, 0, Some(0));
+            let none = Counts::new(0, 0, streamed_counts.fo().map(|_| 0));
             Some(StreamedSlice {
                 slice,
                 per_scan: of_slice(per_scan, slice).or(none)?,
@@ -146,9 +146,7 @@ impl Streamed {
 
     /// The median time of detection in milliseconds.
     pub fn latency_ms(&self) -> Option<f64> {
-        let mut times = self.sums.latencies_ms.clone();
-        times.sort_by(f64::total_cmp);
-        times.get((times.len().saturating_sub(1)) / 2).copied()
+        lower_median(&self.sums.latencies_ms)
     }
 
     /// The share of scans that were dropped.

@@ -118,7 +118,7 @@ pub fn accept(
         history_line(acceptance, git, &(scores(before, run) + &objects))
     })?;
     let is_partial = run.manifest.partial.is_some();
-    let is_stream = is_stream(&run.scans);
+    let is_stream = is_stream(&run.scans, run.manifest.drive_of());
     let head = if is_partial { SCORES_HEAD_OF_OBJECTS } else { SCORES_HEAD };
     let history = history_with(&directory.join(SCORES_MD), head, &line)?;
 

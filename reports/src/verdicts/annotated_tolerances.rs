@@ -21,8 +21,8 @@ const HEAD: &str = "\
 ";
 
 const STREAMS: &str = "\
-Rates of the newest answer at every moment, as `scanbench streaming` has them. With `latency_ms` every detector is as late as
-that, which is the same on every machine; without, as late as measured, on the machine of the baseline.";
+Rates of the newest answer at every moment, as `scanbench streaming` has them. With `latency_ms` every detector takes that long,
+on every machine; without, it takes what was measured, scaled to the machine of the baseline.";
 
 impl Tolerances {
     /// The file of these tolerances, with the built-in meaning of each metric.

@@ -10,7 +10,6 @@ use crate::protocols::protocol_number::{ALL_CLASSES, ProtocolMetric};
 use crate::protocols::protocol_tally::ProtocolQuestion;
 use crate::rows::match_outcome::MatchOutcome;
 use crate::rows::match_row::MatchRow;
-use crate::rows::scan_row::ScanRow;
 use crate::run_folder::run_archive::RunArchive;
 use crate::streaming::closeness::is_stream;
 use crate::uncertainty::sample::{Draw, Question, Sample};
@@ -127,7 +126,8 @@ impl Tolerances {
     }
 }
 
-/// Two rules where the baseline is a stream whose labels can be followed: a tenth of a second late, and as late as measured.
+/// Rules where the baseline is a stream whose labels can be followed: for answers that are a tenth of a second late, and if all
+/// detectors were timed for answers as late as measured.
 fn stream_rules(baseline: &RunArchive) -> Vec<StreamRule> {
     let can_be_followed = |it: &MatchRow| match &it.outcome {
         MatchOutcome::Matched { annotation, .. } | MatchOutcome::Missed { annotation, .. } => {
@@ -135,19 +135,23 @@ fn stream_rules(baseline: &RunArchive) -> Vec<StreamRule> {
         }
         _ => false,
     };
-    let is_timed = |it: &ScanRow| it.numbers().is_some_and(|it| it.latency_ms.is_some());
-    if !is_stream(&baseline.scans)
+    if !is_stream(&baseline.scans, baseline.manifest.drive_of())
         || !baseline.matches.iter().any(can_be_followed)
-        || !baseline.scans.iter().any(is_timed)
     {
         return Vec::new();
     }
+    let is_timed = |name: &&str| {
+        let mut of_it = baseline.scans.iter().filter(|it| it.detector == *name);
+        of_it.any(|it| it.numbers().is_some_and(|it| it.latency_ms.is_some()))
+    };
     let rule = |lateness, absolute| StreamRule {
         rule: Rule::of_streams(absolute),
         criterion: CriterionKind::Centre,
         lateness,
     };
-    vec![rule(Lateness::Fixed(100.0), 0.005), rule(Lateness::Measured, 0.02)]
+    let are_all_timed = baseline.detector_names().iter().all(is_timed);
+    let measured = are_all_timed.then(|| rule(Lateness::Measured, 0.02));
+    [rule(Lateness::Fixed(100.0), 0.005)].into_iter().chain(measured).collect()
 }
 
 /// One rule for each protocol that the baseline was evaluated under, about those numbers that it has of all classes together,

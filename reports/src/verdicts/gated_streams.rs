@@ -2,8 +2,9 @@
 
 use crate::numbers::tally::Tally;
 use crate::uncertainty::sample::Question;
-use crate::verdicts::gated_metrics::{GatedMetric, Sides, judged, void_rules};
-use crate::verdicts::rule_problems::{RuleProblem, RuleProblems, RuleTable};
+use crate::verdicts::gated_metrics::{GatedMetric, Sides, judged};
+use crate::verdicts::rule_problems::{RulePosition, RuleProblem, RuleProblems, RuleTable};
+use crate::verdicts::suggestion::did_you_mean;
 use crate::verdicts::tolerances::{StreamRule, Tolerances};
 use crate::vocabulary::metric::Metric;
 use crate::vocabulary::slice::Slice;
@@ -30,18 +31,19 @@ pub(super) fn gated_streams(
     let mut problems: Vec<RuleProblem> = Vec::new();
     for (rule_idx, (rule, pair)) in tolerances.streams.iter().zip(streams).enumerate() {
         let of_rule = of_rule(rule, pair);
+        let mut complain = |what: String| {
+            let position = RulePosition { line: rule.rule.line, table: RuleTable::Streaming(rule_idx) };
+            problems.push(RuleProblem { position, what });
+        };
+        let detectors = pair.before.detectors();
+        for name in rule.rule.detectors.iter().flatten().filter(|it| !detectors.contains(it)) {
+            complain(format!(
+                "the baseline has no detector {name:?}{}",
+                did_you_mean(name, detectors.iter())
+            ));
+        }
         if of_rule.is_empty() {
-            let void = void_rules(
-                std::slice::from_ref(&rule.rule),
-                |_| RuleTable::Streaming(0),
-                &of_rule,
-                str::to_owned,
-            );
-            let named = void.into_iter().take(1).map(|mut it| {
-                it.position.table = RuleTable::Streaming(rule_idx);
-                it
-            });
-            problems.extend(named);
+            complain("the rule has no effect: the baseline has none of its tasks and detectors".to_owned());
         }
         gated.extend(of_rule.into_iter().map(|it| GatedMetric { rule_idx, ..it }));
     }
@@ -49,7 +51,7 @@ pub(super) fn gated_streams(
     Ok(gated)
 }
 
-fn of_rule(StreamRule { rule, lateness, .. }: &StreamRule, pair: &StreamPair) -> Vec<GatedMetric> {
+fn of_rule(stream: &StreamRule, pair: &StreamPair) -> Vec<GatedMetric> {
     let draws = pair.before.draw();
     let sides = Sides { before: &pair.before, after: &pair.after, draws: &draws };
     let mut gated = Vec::new();
@@ -60,10 +62,11 @@ fn of_rule(StreamRule { rule, lateness, .. }: &StreamRule, pair: &StreamPair) ->
                 let is_known =
                     |it: &Tally| it.counts(&dataset, task, detector).is_some_and(|it| it.fo().is_some());
                 let metric = if is_known(&pair.before) { Metric::FRate } else { Metric::Recall };
-                let of_metric = sides.held(std::slice::from_ref(rule), &[metric], &question, on.as_deref());
+                let of_metric =
+                    sides.held(std::slice::from_ref(&stream.rule), &[metric], &question, on.as_deref());
                 let named = of_metric
                     .into_iter()
-                    .map(|it| GatedMetric { task: format!("{}, {}", it.task, lateness.in_words()), ..it });
+                    .map(|it| GatedMetric { task: format!("{}, {}", it.task, stream.in_words()), ..it });
                 gated.extend(named);
             }
         }

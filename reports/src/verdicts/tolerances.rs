@@ -2,7 +2,6 @@
 
 use std::path::PathBuf;
 
-use crate::files::fixed_decimals::fixed_decimals;
 use crate::verdicts::rule_problems::RuleProblem;
 use crate::vocabulary::criterion::CriterionKind;
 use crate::vocabulary::metric::Metric;
@@ -84,17 +83,18 @@ pub struct StreamRule {
 pub enum Lateness {
     /// Every detector takes this long for every scan, in milliseconds: the same on every machine.
     Fixed(f64),
-    /// As measured, on the machine of the baseline: times of a later run are taken as many times as long as the reference takes
-    /// longer there.
+    /// As measured, on the machine of the baseline: times of a later run are scaled to it, by how long the reference took in
+    /// the baseline, divided by how long it took in that run.
     Measured,
 }
 
-impl Lateness {
+impl StreamRule {
     /// The words behind the name of a task.
-    pub fn in_words(self) -> String {
-        match self {
-            Self::Fixed(latency_ms) => format!("streaming, {} ms late", fixed_decimals(latency_ms, 0)),
-            Self::Measured => "streaming, as late as measured".to_owned(),
+    pub fn in_words(&self) -> String {
+        let criterion = self.criterion.name();
+        match self.lateness {
+            Lateness::Fixed(latency_ms) => format!("streaming by {criterion}, {latency_ms} ms late"),
+            Lateness::Measured => format!("streaming by {criterion}, as late as measured"),
         }
     }
 }
@@ -164,7 +164,12 @@ impl Rule {
         self.metrics.iter().any(|it| names_meant(it, metric_id))
             && self.parts.iter().any(|it| names_meant(it, subject.part))
             && self.is_within(subject.task)
-            && has(self.detectors.as_ref(), subject.detector)
+            && self.is_of_detector(subject.detector)
+    }
+
+    /// Whether it is about the detector of this name.
+    pub fn is_of_detector(&self, detector: &str) -> bool {
+        has(self.detectors.as_ref(), detector)
     }
 
     /// Whether it is about the task or protocol of this name.

@@ -63,7 +63,8 @@ impl Tolerances {
         let mut top = Section::new(text, RuleTable::Top, 0, Some(table.get_ref()));
         let drift = drift_rule(&mut top);
         let of_all_steps = top.sizes_of_all_steps();
-        let quality = if of_all_steps.is_empty() { top.require("quality") } else { top.take("quality") };
+        let has_others = !of_all_steps.is_empty() || top.fields.contains_key("streaming");
+        let quality = if has_others { top.take("quality") } else { top.require("quality") };
         let mut quality = top.rules("quality", quality, RuleTable::Quality, quality_rule);
         quality.extend(of_all_steps);
         let protocols = top.take("protocol");
@@ -134,7 +135,7 @@ fn stream_rule(mut section: Section<'_>, problems: &mut Vec<RuleProblem>) -> Opt
         ..Rule::of_streams(absolute)
     };
     problems.extend(section.finish(&STREAM_FIELDS));
-    let criterion = CriterionKind::from_name(&criterion?).filter(|it| *it != CriterionKind::Points)?;
+    let criterion = CriterionKind::from_name(&criterion?)?;
     Some(StreamRule { rule, criterion, lateness })
 }
 

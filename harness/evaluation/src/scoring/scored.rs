@@ -7,6 +7,7 @@ use std::sync::atomic::AtomicBool;
 use reports::numbers::tally::Tally;
 use reports::rows::match_row::MatchRow;
 use reports::rows::scan_row::ScanRow;
+use reports::vocabulary::criterion::CriterionKind;
 use reports::vocabulary::own_slice::{OwnSlice, SliceBounds};
 use scans::dataset::Dataset as _;
 use scans::foreign::foreign_results::ForeignResults;
@@ -35,7 +36,7 @@ pub struct Scored {
     pub tally: Tally,
 }
 
-/// Why nothing was scored.
+/// The reason that nothing was scored.
 #[derive(Debug, thiserror::Error)]
 pub enum ScoreError {
     /// The request is wrong.
@@ -54,9 +55,13 @@ pub enum ScoreError {
 pub fn score(request: &ScoreRequest, payload: &[u8], mut config: RunConfig) -> Result<Scored, ScoreError> {
     let criterion = Criterion::ALL.into_iter().find(|it| it.kind() == request.criterion);
     config.choose_criterion(criterion.expect("there is a criterion of every kind"));
+    let of_run = config.matching.criterion;
+    let criteria = config.class_criteria.all(of_run).map(|(_, it)| it.kind());
+    let criteria: Vec<CriterionKind> = criteria.chain([of_run.kind()]).collect();
     let enough = config.matching.eligibility.min_points;
+    let by_points = criteria.contains(&CriterionKind::Points);
     let ReadRequest { scans, times_s, detections, annotated, has_points } =
-        request.read(payload, enough).map_err(ScoreError::Request)?;
+        request.read(payload, enough, by_points).map_err(ScoreError::Request)?;
     let dataset = ScansInMemory::new(&request.dataset, annotated, request.sensor_height_m, scans, times_s);
     let results = ForeignResults::in_memory(&dataset, detections);
     // Without points there is nothing that a model could look at.
@@ -91,10 +96,9 @@ pub fn score(request: &ScoreRequest, payload: &[u8], mut config: RunConfig) -> R
         n_before: 0,
         criterion: config.matching.criterion,
     };
-    let criteria = config.class_criteria.all(config.matching.criterion).map(|(_, it)| it.kind());
     let slice = |(name, bounds): (String, SliceBounds)| Some((OwnSlice::named(&name)?, bounds));
     let mut scored = Scored {
-        scoring_version: scoring_version(criteria.chain([config.matching.criterion.kind()])),
+        scoring_version: scoring_version(criteria),
         scans: Vec::new(),
         matches: Vec::new(),
         tally: Tally::default().with_slices(config.slices.all().into_iter().filter_map(slice).collect()),

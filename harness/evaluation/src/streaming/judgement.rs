@@ -29,7 +29,7 @@ impl<'a> JudgedMoment<'a> {
     /// Judges what is `known` at `moment`, which is taken to be at `boxes` now.
     ///
     /// A detection that finds nothing is what it was in its own scan: ignored, unknowable or false. One that found an object
-    /// there is ignored if that object is not labelled any more, or cannot be followed: nobody knows where it is.
+    /// there is ignored if that object is not labelled any more, or is not followed: nobody knows where it is.
     pub fn new(
         moment: &'a TrueMoment,
         known: &'a [LoggedDetection],
@@ -120,6 +120,6 @@ impl<'a> JudgedMoment<'a> {
 
 /// What a detection is that finds nothing at `moment`.
 fn why(detection: &LoggedDetection, moment: &TrueMoment) -> Unmatched {
-    let is_gone = detection.found.is_some_and(|track| track.is_none_or(|it| !moment.has(it)));
+    let is_gone = detection.found.is_some_and(|track| !moment.follows(track));
     if is_gone { Unmatched::Ignored(IgnoredDetection::OnIgnoredAnnotation) } else { detection.unmatched }
 }

@@ -4,8 +4,9 @@ use std::collections::BTreeMap;
 
 use reports::rows::scan_name::ScanName;
 use reports::rows::scan_row::ScanRow;
+use reports::streaming::stream_sums::lower_median;
 
-use super::logged_drive::LoggedDrive;
+use super::logged_drive::{LoggedDrive, LoggedScan, is_latency};
 
 /// Where times of detection come from, beside the run itself.
 #[derive(Debug, Clone, Default)]
@@ -23,8 +24,14 @@ pub struct NoLatency {
     pub detector: String,
 }
 
-/// Times in milliseconds by detector, drive and scan.
-pub type Latencies = Vec<Vec<Vec<f64>>>;
+/// Times of detection in milliseconds.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Latencies {
+    /// By detector, drive and scan.
+    pub ms: Vec<Vec<Vec<f64>>>,
+    /// How many of them are the median of the detector's others, because they are not known.
+    pub n_filled_in: usize,
+}
 
 impl LatencySource<'_> {
     /// The times of all `detectors` of a run on its `drives`. A scan whose time does not count, as while warming up, takes the
@@ -36,25 +43,27 @@ impl LatencySource<'_> {
     pub fn latencies(&self, drives: &[LoggedDrive], detectors: &[&str]) -> Result<Latencies, NoLatency> {
         let elsewhere = self.elsewhere.map(|rows| {
             let timed = rows.iter().filter_map(|row| {
-                Some(((row.detector.as_str(), row.scan_name()), row.numbers()?.latency_ms?))
+                let latency_ms = row.numbers()?.latency_ms.filter(|it| is_latency(*it))?;
+                Some(((row.detector.as_str(), row.scan_name()), latency_ms))
             });
             timed.collect::<BTreeMap<(&str, ScanName), f64>>()
         });
-        let of_detector = |(detector_idx, detector): (usize, &&str)| {
-            let known =
-                |scan: &super::logged_drive::LoggedScan| match (self.fixed_ms.get(*detector), &elsewhere) {
-                    (Some(fixed_ms), _) => Some(*fixed_ms),
-                    (None, Some(elsewhere)) => elsewhere.get(&(*detector, scan.name.clone())).copied(),
-                    (None, None) => scan.latencies_ms[detector_idx],
-                };
+        let mut latencies = Latencies { ms: Vec::new(), n_filled_in: 0 };
+        for (detector_idx, detector) in detectors.iter().enumerate() {
+            let known = |scan: &LoggedScan| match (self.fixed_ms.get(*detector), &elsewhere) {
+                (Some(fixed_ms), _) => Some(*fixed_ms),
+                (None, Some(elsewhere)) => elsewhere.get(&(*detector, scan.name.clone())).copied(),
+                (None, None) => scan.latencies_ms[detector_idx],
+            };
             let known: Vec<Vec<Option<f64>>> =
                 drives.iter().map(|it| it.scans.iter().map(known).collect()).collect();
-            let mut sorted: Vec<f64> = known.iter().flatten().copied().flatten().collect();
-            sorted.sort_by(f64::total_cmp);
-            let median = sorted.get(sorted.len().saturating_sub(1) / 2).copied();
-            let median = median.ok_or_else(|| NoLatency { detector: (*detector).to_owned() })?;
-            Ok(known.into_iter().map(|it| it.into_iter().map(|it| it.unwrap_or(median)).collect()).collect())
-        };
-        detectors.iter().enumerate().map(of_detector).collect()
+            let all: Vec<f64> = known.iter().flatten().copied().flatten().collect();
+            latencies.n_filled_in += known.iter().flatten().count() - all.len();
+            let median = lower_median(&all).ok_or_else(|| NoLatency { detector: (*detector).to_owned() })?;
+            let filled =
+                |of_drive: Vec<Option<f64>>| of_drive.into_iter().map(|it| it.unwrap_or(median)).collect();
+            latencies.ms.push(known.into_iter().map(filled).collect());
+        }
+        Ok(latencies)
     }
 }

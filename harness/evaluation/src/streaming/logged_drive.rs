@@ -8,14 +8,14 @@ use reports::rows::match_row::MatchRow;
 use reports::rows::pose_row::PoseRow;
 use reports::rows::scan_name::ScanName;
 use reports::rows::scan_row::ScanRow;
-use reports::streaming::closeness::LONGEST_GAP_S;
+use reports::streaming::closeness::{NoStream, Stretch, stretches};
 use reports::vocabulary::reason::{IgnoredAnnotation, IgnoredDetection};
 use reports::vocabulary::task::Task;
 
 use super::moving::{TimeUs, pose_of_row};
 
-/// [`LONGEST_GAP_S`] in microseconds.
-const LONGEST_GAP_US: TimeUs = (1e6 * LONGEST_GAP_S) as TimeUs;
+/// A longer time of detection is damage, in milliseconds: an hour.
+const MOST_LATENCY_MS: f64 = 3.6e6;
 
 /// A stretch of a drive without a gap.
 #[derive(Debug, Clone)]
@@ -52,6 +52,8 @@ pub struct LoggedTask {
     pub labels: Vec<Vec<Label>>,
     /// What each detector of the run answered to each scan: by detector, then scan.
     pub answers: Vec<Vec<Vec<LoggedDetection>>>,
+    /// Whether each detector of the run was asked for it: only those that give classes are asked for a class.
+    pub is_asked: Vec<bool>,
     /// Whether detections beyond the labels are known to be false.
     pub are_false_known: bool,
 }
@@ -87,15 +89,6 @@ pub enum Unmatched {
     Unknowable,
 }
 
-/// Why a data set is no stream.
-#[derive(Debug, Clone, PartialEq, Eq)]
-pub struct NoStream {
-    /// Id of the data set.
-    pub dataset: String,
-    /// Why.
-    pub reason: String,
-}
-
 /// The drives of a run, and the data sets that have none.
 ///
 /// `drive_of` gives a scan the name of its drive. Damaged poses count as unknown.
@@ -108,22 +101,9 @@ pub fn logged_drives(
     let poses =
         poses.iter().filter_map(|it| Some((key(&it.dataset, &it.sequence, it.scan), pose_of_row(it).ok()?)));
     let poses: BTreeMap<Key<'_>, Isometry3<f64>> = poses.collect();
-    let timed = timed_scans(scans, &drive_of);
-    let (mut drives, mut left_out) = (Vec::new(), Vec::new());
-    for (dataset, of_drives) in timed {
-        let mut stretches: Vec<LoggedDrive> = Vec::new();
-        for (name, scans) in &of_drives {
-            for stretch in scans.chunk_by(|a, b| (1..=LONGEST_GAP_US).contains(&(b.1 - a.1))) {
-                if stretch.len() > 1 {
-                    stretches.push(LoggedDrive::of(dataset, name, stretch, &poses, detectors.len()));
-                }
-            }
-        }
-        if stretches.is_empty() {
-            left_out.push(NoStream { dataset: dataset.to_owned(), reason: why_none(&of_drives) });
-        }
-        drives.extend(stretches);
-    }
+    let (stretches, without) = stretches(scans, drive_of);
+    let mut drives: Vec<LoggedDrive> =
+        stretches.iter().map(|it| LoggedDrive::of(it, &poses, detectors.len())).collect();
     let mut place_of: BTreeMap<(String, String, u32), (usize, usize)> = BTreeMap::new();
     for (drive_idx, drive) in drives.iter().enumerate() {
         for (scan_idx, scan) in drive.scans.iter().enumerate() {
@@ -142,8 +122,10 @@ pub fn logged_drives(
         };
         let drive = &mut drives[drive_idx];
         let latency = &mut drive.scans[scan_idx].latencies_ms[detector];
-        *latency = latency.or(numbers.latency_ms);
-        drive.task(row.task, detectors.len()).are_false_known &= numbers.counts.fo().is_some();
+        *latency = latency.or(numbers.latency_ms.filter(|it| is_latency(*it)));
+        let task = drive.task(row.task, detectors.len());
+        task.are_false_known &= numbers.counts.fo().is_some();
+        task.is_asked[detector] = true;
     }
     for row in matches {
         let (Some((drive_idx, scan_idx)), Some(detector)) =
@@ -153,7 +135,12 @@ pub fn logged_drives(
         };
         drives[drive_idx].task(row.task, detectors.len()).add(scan_idx, detector, &row.outcome);
     }
-    (drives, left_out)
+    (drives, without)
+}
+
+/// Whether a time of detection in milliseconds can be one: files may be somebody else's.
+pub fn is_latency(latency_ms: f64) -> bool {
+    (0.0..=MOST_LATENCY_MS).contains(&latency_ms)
 }
 
 type Key<'a> = (&'a str, &'a str, u32);
@@ -162,46 +149,9 @@ fn key<'a>(dataset: &'a str, sequence: &'a str, scan: u32) -> Key<'a> {
     (dataset, sequence, scan)
 }
 
-/// The scans of each drive of each data set with their times, by time; data sets in the order of the rows.
-type TimedScans<'a> = Vec<(&'a str, BTreeMap<String, Vec<(ScanName, TimeUs)>>)>;
-
-fn timed_scans<'a>(scans: &'a [ScanRow], drive_of: &impl Fn(&ScanRow) -> String) -> TimedScans<'a> {
-    let mut timed: TimedScans<'a> = Vec::new();
-    for row in scans {
-        let dataset_idx = timed.iter().position(|it| it.0 == row.dataset).unwrap_or_else(|| {
-            timed.push((&row.dataset, BTreeMap::new()));
-            timed.len() - 1
-        });
-        let (Some(time_s), Some(_)) = (row.time_s, row.numbers()) else { continue };
-        let entry = (row.scan_name(), (time_s * 1e6).round() as TimeUs);
-        timed[dataset_idx].1.entry(drive_of(row)).or_default().push(entry);
-    }
-    for of_drive in timed.iter_mut().flat_map(|it| it.1.values_mut()) {
-        of_drive.sort_by(|a, b| (a.1, &a.0.sequence, a.0.scan).cmp(&(b.1, &b.0.sequence, b.0.scan)));
-        of_drive.dedup();
-    }
-    timed
-}
-
-/// Why a data set has no two scans in a row.
-fn why_none(of_drives: &BTreeMap<String, Vec<(ScanName, TimeUs)>>) -> String {
-    let gaps_us = of_drives.values().flat_map(|it| it.windows(2).map(|it| it[1].1 - it[0].1));
-    match gaps_us.filter(|it| *it > 0).min() {
-        None if of_drives.is_empty() => "has no times".to_owned(),
-        None => "has no two scans of a drive".to_owned(),
-        Some(gap_us) => format!(
-            "has scans {} s apart or more; a stream has them {} s apart or less",
-            gap_us as f64 / 1e6,
-            LONGEST_GAP_S
-        ),
-    }
-}
-
 impl LoggedDrive {
     fn of(
-        dataset: &str,
-        name: &str,
-        scans: &[(ScanName, TimeUs)],
+        Stretch { dataset, drive, scans }: &Stretch,
         poses: &BTreeMap<Key<'_>, Isometry3<f64>>,
         n_detectors: usize,
     ) -> Self {
@@ -214,8 +164,8 @@ impl LoggedDrive {
             latencies_ms: vec![None; n_detectors],
         };
         Self {
-            dataset: dataset.to_owned(),
-            name: name.to_owned(),
+            dataset: dataset.clone(),
+            name: drive.clone(),
             scans: scans.iter().map(scan).collect(),
             has_poses,
             tasks: BTreeMap::new(),
@@ -227,6 +177,7 @@ impl LoggedDrive {
         self.tasks.entry(task).or_insert_with(|| LoggedTask {
             labels: vec![Vec::new(); n_scans],
             answers: vec![vec![Vec::new(); n_scans]; n_detectors],
+            is_asked: vec![false; n_detectors],
             are_false_known: true,
         })
     }

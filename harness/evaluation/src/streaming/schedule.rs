@@ -22,7 +22,7 @@ pub fn answers(times_us: &[TimeUs], latency_us: impl Fn(usize) -> TimeUs) -> Vec
     while next_idx < times_us.len() {
         let n_there = times_us.partition_point(|it| *it <= free_from_us);
         let scan_idx = next_idx.max(n_there.saturating_sub(1));
-        let known_from_us = free_from_us.max(times_us[scan_idx]) + latency_us(scan_idx).max(0);
+        let known_from_us = free_from_us.max(times_us[scan_idx]).saturating_add(latency_us(scan_idx).max(0));
         answers.push(Answer { scan_idx, known_from_us });
         (next_idx, free_from_us) = (scan_idx + 1, known_from_us);
     }

@@ -2,11 +2,12 @@
 
 use nalgebra::Isometry3;
 use reports::rows::match_outcome::MatchOutcome;
+use reports::streaming::machine_speed::MachineSpeed;
+use reports::streaming::stream_sums::lower_median;
 use reports::vocabulary::forecast::Forecast;
 use reports::vocabulary::task::Task;
 
 use super::moving::{TimeUs, US_PER_MS};
-use super::schedule::answers;
 use super::stream_study::{Course, StreamStudy};
 use super::truth::TaskTruth;
 
@@ -62,15 +63,15 @@ impl StreamStudy<'_> {
                 })
                 .collect(),
         };
-        for (detector_idx, name) in self.detectors.iter().enumerate() {
+        let asked = self.detectors.iter().enumerate().filter(|(idx, _)| logged.is_asked[*idx]);
+        for (detector_idx, name) in asked {
             let latencies_ms = &self.latencies[detector_idx][drive_idx];
-            let mut sorted = latencies_ms.clone();
-            sorted.sort_by(f64::total_cmp);
-            picture.detectors.push(((*name).to_owned(), sorted[sorted.len() / 2]));
+            let median_ms = lower_median(latencies_ms).unwrap_or_default();
+            picture.detectors.push(((*name).to_owned(), median_ms));
             let detections = &logged.answers[detector_idx];
             let course =
                 Course { study: self, drive, logged, detections, moments: &moments, times_us: &times_us };
-            let answers = answers(&times_us, |it| (US_PER_MS * latencies_ms[it]).round() as TimeUs);
+            let answers = course.answers(latencies_ms, MachineSpeed::THIS);
             course.go(&answers, Forecast::CarMotion, |moment_idx, scan_idx, judged| {
                 let moment = &mut picture.moments[moment_idx];
                 let age_ms = scan_idx.map(|it| (moment.time_us - times_us[it]) as f64 / US_PER_MS);

@@ -1,6 +1,7 @@
 //! The study `streaming`: a clock goes through every drive, and at each moment the newest answer of every detector is judged.
 
 use std::collections::HashMap;
+use std::ops::Range;
 
 use rayon::prelude::*;
 use reports::numbers::tally::Tally;
@@ -18,7 +19,6 @@ use reports::vocabulary::task::Task;
 
 use super::forecast::{forecast_box, velocities};
 use super::judgement::JudgedMoment;
-use super::latencies::Latencies;
 use super::logged_drive::{Label, LoggedDetection, LoggedDrive, LoggedTask, Unmatched};
 use super::moving::{TimeUs, US_PER_MS};
 use super::schedule::{Answer, answers, moments, newest};
@@ -33,8 +33,8 @@ pub struct StreamStudy<'a> {
     pub detectors: &'a [&'a str],
     /// The tasks.
     pub tasks: &'a [Task],
-    /// How long each takes for each scan.
-    pub latencies: &'a Latencies,
+    /// Times of detection in milliseconds, by detector, drive and scan.
+    pub latencies: &'a [Vec<Vec<f64>>],
     /// When a box is good enough; never by points.
     pub criterion: Criterion,
     /// Time from one moment to the next.
@@ -51,19 +51,15 @@ pub struct StreamResult {
     pub streamed: Tally,
     /// All else.
     pub sums: StreamSums,
-}
-
-/// One detector in one task on one drive.
-struct Part {
-    task: Task,
-    detector: String,
-    sums: DetectorSums,
-    per_scan: Vec<Rows>,
-    streamed: Vec<Rows>,
+    /// How many labels that count cannot be followed, of how many, over all tasks.
+    pub n_unfollowed: [u64; 2],
 }
 
 /// The rows of a scan or a moment; of each annotation the slice of its speed.
 type Rows = (ScanRow, Vec<(MatchRow, Option<Slice>)>);
+
+/// So many moments have rows in memory at once, for each detector.
+const MOMENTS_AT_ONCE: usize = 256;
 
 impl StreamStudy<'_> {
     /// Goes through all drives; `empty` is a tally without rows for the same data sets. After each drive `progress` is called,
@@ -79,27 +75,62 @@ impl StreamStudy<'_> {
     ) -> Result<StreamResult, E> {
         let names = || self.detectors.iter().map(|it| (*it).to_owned()).collect();
         let (per_scan, streamed) = (empty().with_detectors(names()), empty().with_detectors(names()));
-        let mut result = StreamResult { per_scan, streamed, sums: StreamSums::new() };
-        let mut n_moments_before = 0;
-        for (drive_idx, drive) in self.drives.iter().enumerate() {
-            for part in self.of_drive(drive_idx, n_moments_before) {
-                let key = (drive.dataset.clone(), part.task, part.detector);
-                result.sums.entry(key).or_default().add(part.sums);
-                for (tally, rows) in
-                    [(&mut result.per_scan, part.per_scan), (&mut result.streamed, part.streamed)]
-                {
-                    for (scan, matches) in rows {
-                        tally.add_scan(&scan);
-                        for (row, speed) in &matches {
-                            tally.add_match_in(row, *speed);
-                        }
-                    }
-                }
-            }
-            n_moments_before += self.n_moments(drive);
+        let mut result = StreamResult { per_scan, streamed, sums: StreamSums::new(), n_unfollowed: [0, 0] };
+        let mut before = [0, 0];
+        for drive_idx in 0..self.drives.len() {
+            self.add_drive(drive_idx, before, &mut result);
+            let times_us = self.drives[drive_idx].times_us();
+            let n_moments = moments(&times_us, self.step_us).count();
+            before = [before[0] + times_us.len() as u32, before[1] + n_moments as u32];
             progress()?;
         }
         Ok(result)
+    }
+
+    /// Adds a drive; `before` are the numbers of scans and moments of the drives before it.
+    fn add_drive(&self, drive_idx: usize, before: [u32; 2], result: &mut StreamResult) {
+        let drive = &self.drives[drive_idx];
+        let times_us = drive.times_us();
+        for (task, logged) in drive.tasks.iter().filter(|(task, _)| self.tasks.contains(task)) {
+            let truth = TaskTruth::of(drive, &logged.labels);
+            let moments = self.moments_of(&truth, &times_us);
+            let scans: Vec<(TimeUs, TrueMoment)> =
+                times_us.iter().enumerate().map(|(scan_idx, it)| (*it, truth.at_scan(scan_idx))).collect();
+            let [n_unfollowed, n_labels] = truth.n_unfollowed();
+            result.n_unfollowed = [result.n_unfollowed[0] + n_unfollowed, result.n_unfollowed[1] + n_labels];
+            let asked: Vec<usize> = (0..self.detectors.len()).filter(|it| logged.is_asked[*it]).collect();
+            let course = |detector_idx: usize| Course {
+                study: self,
+                drive,
+                logged,
+                detections: &logged.answers[detector_idx],
+                moments: &moments,
+                times_us: &times_us,
+            };
+            let of_detector = |it: &usize| {
+                let course = course(*it);
+                let answers = course.answers(&self.latencies[*it][drive_idx], MachineSpeed::THIS);
+                let sums = course.sums(&answers, &self.latencies[*it][drive_idx]);
+                (*it, answers, sums)
+            };
+            let parts: Vec<(usize, Vec<Answer>, DetectorSums)> =
+                asked.into_par_iter().map(|it| of_detector(&it)).collect();
+            for (detector_idx, answers, sums) in parts {
+                let detector = self.detectors[detector_idx];
+                let course = course(detector_idx);
+                let subject = (*task, detector);
+                add_rows(&mut result.per_scan, course.rows_of_scans(subject, before[0], &scans));
+                for first in (0..moments.len()).step_by(MOMENTS_AT_ONCE) {
+                    let range = first..moments.len().min(first + MOMENTS_AT_ONCE);
+                    add_rows(
+                        &mut result.streamed,
+                        course.rows_of_moments(subject, before[1], &answers, range),
+                    );
+                }
+                let key = (drive.dataset.clone(), *task, detector.to_owned());
+                result.sums.entry(key).or_default().add(sums);
+            }
+        }
     }
 
     /// What is true at each moment of a drive with scans at these times.
@@ -107,35 +138,14 @@ impl StreamStudy<'_> {
         let at = |it: TimeUs| (it, truth.at(it));
         moments(times_us, self.step_us).collect::<Vec<_>>().into_par_iter().map(at).collect()
     }
+}
 
-    fn n_moments(&self, drive: &LoggedDrive) -> u32 {
-        moments(&drive.times_us(), self.step_us).count() as u32
-    }
-
-    fn of_drive(&self, drive_idx: usize, n_moments_before: u32) -> Vec<Part> {
-        let drive = &self.drives[drive_idx];
-        let times_us = drive.times_us();
-        let mut parts = Vec::new();
-        for (task, logged) in drive.tasks.iter().filter(|(task, _)| self.tasks.contains(task)) {
-            let truth = TaskTruth::of(drive, &logged.labels);
-            let moments = self.moments_of(&truth, &times_us);
-            let of_scans: Vec<(TimeUs, TrueMoment)> =
-                times_us.iter().map(|it| (*it, truth.at(*it))).collect();
-            let of_detector = |detector_idx: usize| {
-                let course = Course {
-                    study: self,
-                    drive,
-                    logged,
-                    detections: &logged.answers[detector_idx],
-                    moments: &moments,
-                    times_us: &times_us,
-                };
-                let names = (*task, self.detectors[detector_idx], n_moments_before);
-                course.part(&of_scans, &self.latencies[detector_idx][drive_idx], names)
-            };
-            parts.extend((0..self.detectors.len()).into_par_iter().map(of_detector).collect::<Vec<_>>());
+fn add_rows(tally: &mut Tally, rows: Vec<Rows>) {
+    for (scan, matches) in rows {
+        tally.add_scan(&scan);
+        for (row, speed) in &matches {
+            tally.add_match_in(row, *speed);
         }
-        parts
     }
 }
 
@@ -152,54 +162,72 @@ pub(super) struct Course<'a> {
 }
 
 impl Course<'_> {
-    fn part(
-        &self,
-        of_scans: &[(TimeUs, TrueMoment)],
-        latencies_ms: &[f64],
-        (task, detector, n_moments_before): (Task, &str, u32),
-    ) -> Part {
-        let row = |number: u32, time_us: TimeUs, judged: &JudgedMoment<'_>| {
-            self.rows((task, detector), number, time_us, judged)
-        };
-        let per_scan =
-            of_scans.iter().zip(self.detections).zip(0..).map(|(((time_us, moment), known), scan_idx)| {
-                let boxes = known.iter().map(|it| it.facts.bounding_box).collect();
-                let judged = JudgedMoment::new(moment, known, boxes, self.study.criterion);
-                row(n_moments_before + scan_idx, *time_us, &judged)
-            });
-        let per_scan = per_scan.collect();
-        let answers = |speed: MachineSpeed| {
-            answers(self.times_us, |it| (US_PER_MS * speed.time_ms(latencies_ms[it])).round() as TimeUs)
-        };
-        let on_this = answers(MachineSpeed::THIS);
+    /// The answers on a machine of this speed.
+    pub(super) fn answers(&self, latencies_ms: &[f64], speed: MachineSpeed) -> Vec<Answer> {
+        answers(self.times_us, |it| (US_PER_MS * speed.time_ms(latencies_ms[it])).round() as TimeUs)
+    }
+
+    /// Sums over the moments; `answers` are those on the machine of the times.
+    fn sums(&self, answers: &[Answer], latencies_ms: &[f64]) -> DetectorSums {
         let mut sums = DetectorSums {
-            n_moments: self.moments.len() as u64,
-            n_taken: on_this.len() as u64,
+            n_taken: answers.len() as u64,
             latencies_ms: latencies_ms.to_vec(),
             ..DetectorSums::default()
         };
-        let mut streamed = Vec::with_capacity(self.moments.len());
-        let mut memory: HashMap<(Option<usize>, usize), Counts> = HashMap::new();
-        self.go(&on_this, Forecast::CarMotion, |moment_idx, scan_idx, judged| {
-            let time_us = self.moments[moment_idx].0;
-            let age = scan_idx.map(|it| (time_us - self.times_us[it]) as f64 / US_PER_MS);
-            sums.ages_ms.extend(age);
-            memory.insert((scan_idx, moment_idx), judged.counts(self.logged.are_false_known));
-            streamed.push(row(n_moments_before + moment_idx as u32, time_us, judged));
-        });
+        for (time_us, _) in self.moments {
+            let known = newest(answers, *time_us).map(|it| self.times_us[answers[it].scan_idx]);
+            sums.ages_ms.extend(known.map(|it| (time_us - it) as f64 / US_PER_MS));
+        }
         if self.study.is_in_full {
             for forecast in [Forecast::Hold, Forecast::ConstantVelocity] {
-                sums.forecasts.insert(forecast, self.counts(&on_this, forecast));
+                sums.forecasts.insert(forecast, self.counts(answers, forecast));
             }
             let truth: Vec<Vec<LoggedDetection>> =
                 self.logged.labels.iter().map(|it| it.iter().filter_map(as_detected).collect()).collect();
             let late = Course { detections: &truth, ..*self };
-            sums.late_truth = Some(late.counts(&on_this, Forecast::CarMotion));
+            sums.late_truth = Some(late.counts(answers, Forecast::CarMotion));
+            // What is judged for one speed is the same for another.
+            let mut memory = HashMap::new();
             sums.by_machine = MachineSpeed::all()
-                .map(|speed| (speed, self.remembered(&answers(speed), &mut memory)))
+                .map(|speed| (speed, self.remembered(&self.answers(latencies_ms, speed), &mut memory)))
                 .collect();
         }
-        Part { task, detector: detector.to_owned(), sums, per_scan, streamed }
+        sums
+    }
+
+    /// Rows of its scans, each answer judged by what is labelled in its own scan.
+    fn rows_of_scans(
+        &self,
+        subject: (Task, &str),
+        n_before: u32,
+        scans: &[(TimeUs, TrueMoment)],
+    ) -> Vec<Rows> {
+        let of_scan = |(((time_us, moment), known), scan_idx): (
+            (&(TimeUs, TrueMoment), &Vec<LoggedDetection>),
+            u32,
+        )| {
+            let boxes = known.iter().map(|it| it.facts.bounding_box).collect();
+            let judged = JudgedMoment::new(moment, known, boxes, self.study.criterion);
+            self.rows(subject, n_before + scan_idx, *time_us, &judged)
+        };
+        scans.iter().zip(self.detections).zip(0..).map(of_scan).collect()
+    }
+
+    /// Rows of these of its moments, with the car's motion.
+    fn rows_of_moments(
+        &self,
+        subject: (Task, &str),
+        n_before: u32,
+        answers: &[Answer],
+        range: Range<usize>,
+    ) -> Vec<Rows> {
+        let of_moment = |moment_idx: usize| {
+            let time_us = self.moments[moment_idx].0;
+            let scan_idx = newest(answers, time_us).map(|it| answers[it].scan_idx);
+            let judged = self.judge(moment_idx, scan_idx, Forecast::CarMotion, &[]);
+            self.rows(subject, n_before + moment_idx as u32, time_us, &judged)
+        };
+        range.into_par_iter().map(of_moment).collect()
     }
 
     /// Judges the newest of `answers` at every moment; before the first, nothing is known.
@@ -411,7 +439,7 @@ mod tests {
                 drives: &drives,
                 detectors: &["exact"],
                 tasks: &[Task::Vehicles],
-                latencies: &source.latencies(&drives, &["exact"]).unwrap(),
+                latencies: &source.latencies(&drives, &["exact"]).unwrap().ms,
                 criterion,
                 step_us: 1000,
                 is_in_full: true,
@@ -478,7 +506,7 @@ mod tests {
         assert_eq!(triple(sums.forecasts[&Forecast::Hold]), [0, 1001, 751]);
         assert_eq!(sums.late_truth, Some(streamed));
         // Scans 0, 2, 5 and 7 are taken, and 10, which is there when it is free at 1000 ms.
-        assert_eq!((sums.n_taken, sums.n_moments, sums.ages_ms.len()), (5, 1001, 751));
+        assert_eq!((sums.n_taken, sums.ages_ms.len()), (5, 751));
         // A machine that is 16 times as fast takes 15.6 ms: the answer is known at the 16th.
         assert_eq!(triple(sums.by_machine[16].1), [985, 16, 0]);
         assert_eq!(sums.by_machine[8].1, streamed);

@@ -38,18 +38,23 @@ pub struct TrueMoment {
     pub exclusions: Vec<Option<AnnotationOutcome>>,
     /// Its speed over ground, in metres per second, where that is known.
     pub speeds_m_per_s: Vec<Option<f64>>,
-    // Tracks that are labelled.
+    // Tracks of objects that are followed.
     tracks: Vec<u32>,
+    // Whether it is what is labelled in a scan, to be judged as in the run.
+    is_of_scan: bool,
 }
 
 impl<'a> TaskTruth<'a> {
     /// Of `labels`, those of each scan of `drive`.
     pub fn of(drive: &'a LoggedDrive, labels: &'a [Vec<Label>]) -> Self {
         let of_scan = |labels: &Vec<Label>| {
-            let boxed = labels.iter().enumerate().filter(|(_, it)| it.facts.bounding_box.is_some());
-            // Of two labels of a track the first counts.
-            let tracked = boxed.filter_map(|(idx, it)| Some((it.facts.track?, idx)));
-            tracked.rev().collect()
+            let mut by_track: BTreeMap<u32, Vec<usize>> = BTreeMap::new();
+            for (idx, it) in labels.iter().enumerate().filter(|(_, it)| it.facts.bounding_box.is_some()) {
+                it.facts.track.into_iter().for_each(|track| by_track.entry(track).or_default().push(idx));
+            }
+            // Two labels of a track cannot be told apart in the next scan.
+            let single = by_track.into_iter().filter(|(_, it)| it.len() == 1);
+            single.map(|(track, it)| (track, it[0])).collect()
         };
         let truth =
             Self { drive, labels, by_track: labels.iter().map(of_scan).collect(), speeds: Vec::new() };
@@ -59,11 +64,23 @@ impl<'a> TaskTruth<'a> {
         Self { speeds: speeds.collect(), ..truth }
     }
 
+    /// What is labelled in the scan with this index, whether or not it can be followed.
+    pub fn at_scan(&self, scan_idx: usize) -> TrueMoment {
+        let mut moment = TrueMoment::empty(self.drive.scans[scan_idx].world_from_sensor);
+        moment.is_of_scan = true;
+        for (label, speed) in self.labels[scan_idx].iter().zip(&self.speeds[scan_idx]) {
+            let unboxed = label.facts.bounding_box.is_none().then_some(IgnoredAnnotation::NoBox);
+            moment.push(label.facts.clone(), label.ignored.or(unboxed), *speed);
+        }
+        moment
+    }
+
     /// What is true at `at_us`, which is not before the first scan nor after the last.
     ///
-    /// At the time of a scan it is what is labelled there. Between two scans, an object that is labelled in both goes straight
-    /// from one place to the other; all else about it is as in the nearer scan. One that is labelled in a single one of both
-    /// goes on as before and does not count. One without box or track cannot be followed, and does not count.
+    /// At the time of a scan things are where they are labelled. Between two scans, an object that is labelled in both goes
+    /// straight from one place to the other; all else about it is as in the nearer scan. One that is labelled in a single one
+    /// of both goes on as before and does not count. One without box, or without a track that is its own, cannot be followed,
+    /// and never counts.
     pub fn at(&self, at_us: TimeUs) -> TrueMoment {
         let scans = &self.drive.scans;
         let before = scans.partition_point(|it| it.time_us <= at_us).saturating_sub(1);
@@ -75,8 +92,10 @@ impl<'a> TaskTruth<'a> {
         let mut moment = TrueMoment::empty(world_from_sensor);
         if share == 0.0 {
             for (label, speed) in self.labels[before].iter().zip(&self.speeds[before]) {
-                let unboxed = label.facts.bounding_box.is_none().then_some(IgnoredAnnotation::NoBox);
-                moment.push(label.facts.clone(), label.ignored.or(unboxed), *speed);
+                let track = label.facts.track.filter(|it| self.by_track[before].contains_key(it));
+                let unfollowed = track.is_none().then_some(IgnoredAnnotation::Unscorable);
+                moment.tracks.extend(track);
+                moment.push(label.facts.clone(), label.ignored.or(unfollowed), *speed);
             }
             return moment;
         }
@@ -90,12 +109,17 @@ impl<'a> TaskTruth<'a> {
             let (label_scan, pose, is_followed) = match places {
                 [Some(from), Some(to)] => (nearer, between(&from, &to, share), true),
                 [Some(from), None] => {
-                    let earlier = before.checked_sub(1).and_then(|it| self.placed(it, track));
-                    (before, earlier.map_or(from, |it| beyond(&it, &from, 1.0 + share)), false)
+                    let earlier = before.checked_sub(1).and_then(|it| Some((it, self.placed(it, track)?)));
+                    let gone = |(scan_idx, it): (usize, Isometry3<f64>)| {
+                        beyond(&it, &from, 1.0 + self.share(scan_idx, before, at_us))
+                    };
+                    (before, earlier.map_or(from, gone), false)
                 }
                 [None, Some(to)] => {
                     let later = self.placed(after + 1, track);
-                    (after, later.map_or(to, |it| beyond(&it, &to, 2.0 - share)), false)
+                    let to_come =
+                        |it: Isometry3<f64>| beyond(&it, &to, 1.0 + self.share(after + 1, after, at_us));
+                    (after, later.map_or(to, to_come), false)
                 }
                 [None, None] => continue,
             };
@@ -104,17 +128,29 @@ impl<'a> TaskTruth<'a> {
             let size_m = facts.bounding_box.map_or([0.0; 3], |it| it.length_width_height_m);
             let bounding_box = Some(box_at(&(world_from_sensor.inverse() * pose), size_m));
             let unfollowed = (!is_followed).then_some(IgnoredAnnotation::Unscorable);
+            moment.tracks.extend(is_followed.then_some(track));
             let speed = self.speeds[label_scan][label_idx];
             moment.push(AnnotationFacts { bounding_box, ..facts.clone() }, ignored.or(unfollowed), speed);
         }
         moment
     }
 
-    /// The labels that cannot be followed, and all: annotations of the task that would count.
+    /// How far `at_us` lies beyond the scan `to`, as a multiple of the time from the scan `from` to it, which may run backward.
+    fn share(&self, from: usize, to: usize, at_us: TimeUs) -> f64 {
+        let [from_us, to_us] = [from, to].map(|it| self.drive.scans[it].time_us);
+        (at_us - to_us) as f64 / (to_us - from_us) as f64
+    }
+
+    /// How many labels that count cannot be followed, of how many.
     pub fn n_unfollowed(&self) -> [u64; 2] {
-        let counted = || self.labels.iter().flatten().filter(|it| it.ignored.is_none());
-        let unfollowed = counted().filter(|it| it.facts.track.is_none() || it.facts.bounding_box.is_none());
-        [unfollowed.count() as u64, counted().count() as u64]
+        let mut counts = [0, 0];
+        for (labels, by_track) in self.labels.iter().zip(&self.by_track) {
+            for label in labels.iter().filter(|it| it.ignored.is_none()) {
+                let is_followed = label.facts.track.is_some_and(|it| by_track.contains_key(&it));
+                counts = [counts[0] + u64::from(!is_followed), counts[1] + 1];
+            }
+        }
+        counts
     }
 
     /// The box of a track at a scan, in the frame that rests.
@@ -148,21 +184,21 @@ impl TrueMoment {
             exclusions: Vec::new(),
             speeds_m_per_s: Vec::new(),
             tracks: Vec::new(),
+            is_of_scan: false,
         }
     }
 
     fn push(&mut self, facts: AnnotationFacts, ignored: Option<IgnoredAnnotation>, speed: Option<f64>) {
         let bounding_box = facts.bounding_box.as_ref().map(oriented_box);
         self.scan.annotations.push(Annotation { bounding_box, ..Annotation::of(facts.class) });
-        self.tracks.extend(facts.track);
         self.exclusions.push(ignored.map(AnnotationOutcome::Ignored));
         self.speeds_m_per_s.push(speed);
         self.facts.push(facts);
     }
 
-    /// Whether an object of this track is labelled.
-    pub fn has(&self, track: u32) -> bool {
-        self.tracks.contains(&track)
+    /// Whether the object on this track, if it has one, is followed; in a scan that is judged by itself, every one is.
+    pub fn follows(&self, track: Option<u32>) -> bool {
+        self.is_of_scan || track.is_some_and(|it| self.tracks.contains(&it))
     }
 }
 

@@ -31,7 +31,9 @@ class Annotations:
     """Number of each object within its drive."""
 
     def __post_init__(self) -> None:
-        self.rows = Boxes(self.rows).array
+        boxes = Boxes(self.rows)
+        boxes.check()
+        self.rows = boxes.array
         for name in ("classes", "n_points", "tracks"):
             values = getattr(self, name)
             if values is not None and len(values) != len(self.array):
@@ -136,7 +138,7 @@ def score(
     }
     words = [word for name, value in (parameters or {}).items() for word in ("-P", f"{name}={json.dumps(value)}")]
     payload = b"".join(cloud.tobytes() for cloud in points or [])
-    answer = call(["score", *words], quiet=True, given=json.dumps(request).encode() + b"\n" + payload)
+    answer = call(["score", *words], quiet=True, given=json.dumps(request, allow_nan=False).encode() + b"\n" + payload)
     return Score(json.loads(answer))
 
 
@@ -156,9 +158,7 @@ def _annotations(of_scan: Annotations) -> list[dict[str, Any]]:
     return [
         {
             "class": name,
-            "center_m": row[:3],
-            "length_width_height_m": row[3:6],
-            "yaw_rad": row[6],
+            "values": row,
             "n_points": n_points,
             "track": track,
         }

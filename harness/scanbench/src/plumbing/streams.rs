@@ -1,17 +1,17 @@
 //! Runs as streams: their drives, and their moments for rules of a gate.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
 
 use evaluation::matching::criterion::Criterion;
 use evaluation::streaming::latencies::{LatencySource, NoLatency};
-use evaluation::streaming::logged_drive::{LoggedDrive, NoStream, logged_drives};
+use evaluation::streaming::logged_drive::{LoggedDrive, logged_drives};
 use evaluation::streaming::stream_study::StreamStudy;
 use reports::files::csv_rows::read_rows;
 use reports::numbers::tally::Tally;
-use reports::rows::scan_row::ScanRow;
 use reports::run_folder::run_archive::RunArchive;
 use reports::run_folder::run_directory::POSES_CSV;
+use reports::streaming::closeness::NoStream;
 use reports::verdicts::comparability::check_comparable;
 use reports::verdicts::gated_streams::StreamPair;
 use reports::verdicts::tolerances::{Lateness, StreamRule, Tolerances};
@@ -38,41 +38,27 @@ impl<'a> Stream<'a> {
         let poses_csv = directory.join(POSES_CSV);
         let poses = if poses_csv.is_file() { read_rows(&poses_csv) } else { Ok(Vec::new()) };
         let poses = poses.map_err(|error| Failure::damaged_run(directory, error))?;
-        let named = run.manifest.named_drives();
-        let drive_of = |row: &ScanRow| {
-            let name = format!("{}/{:06}", row.sequence, row.scan);
-            named
-                .get(&(row.dataset.as_str(), name))
-                .map_or_else(|| row.sequence.clone(), |it| (*it).to_owned())
-        };
-        let (drives, left_out) = logged_drives(&detectors, (&run.scans, &run.matches, &poses), drive_of);
+        let rows = (&run.scans[..], &run.matches[..], &poses[..]);
+        let (drives, left_out) = logged_drives(&detectors, rows, run.manifest.drive_of());
         let words = |NoStream { dataset, reason }: &NoStream| format!("{dataset} {reason}");
         let mut notes: Vec<String> = left_out.iter().map(|it| format!("Left out: {}.", words(it))).collect();
         if drives.is_empty() {
             let reasons: Vec<String> = left_out.iter().map(words).collect();
-            let reason = format!("{}; of streets, `streaming-streets` are a stream", reasons.join("; "));
-            return Err(NothingEvaluated { reason }.into());
+            let hint = if run.manifest.datasets.iter().any(|it| it.simulated) {
+                ". Simulated streets that are a stream: streaming-streets"
+            } else {
+                ""
+            };
+            return Err(NothingEvaluated { reason: format!("{}{hint}", reasons.join("; ")) }.into());
         }
-        let mut without: BTreeMap<&str, usize> = BTreeMap::new();
-        for it in drives.iter().filter(|it| !it.has_poses) {
-            *without.entry(&it.dataset).or_default() += 1;
-        }
-        notes.extend(without.iter().map(|(dataset, n)| {
+        let without: BTreeSet<&str> =
+            drives.iter().filter(|it| !it.has_poses).map(|it| it.dataset.as_str()).collect();
+        notes.extend(without.iter().map(|dataset| {
             format!(
-                "The car's motion is unknown on {dataset} ({n} drives): boxes are held there, and there are no speeds."
+                "The car's motion is unknown on {dataset}: boxes are moved relative to the car there, and there are no speeds."
             )
         }));
         Ok(Self { run, detectors, drives, notes })
-    }
-
-    /// The times of detection from `source`.
-    pub fn latencies(&self, source: &LatencySource<'_>) -> Result<Vec<Vec<Vec<f64>>>, Usage> {
-        let latencies = source.latencies(&self.drives, &self.detectors);
-        latencies.map_err(|NoLatency { detector }| {
-            Usage(format!(
-                "no time of detection of {detector} is known: give it with --latency {detector}=120ms"
-            ))
-        })
     }
 
     /// Its moments as `rule` asks for them; measured times are taken `slower` times as long.
@@ -81,9 +67,15 @@ impl<'a> Stream<'a> {
             Lateness::Fixed(ms) => self.detectors.iter().map(|it| ((*it).to_owned(), ms)).collect(),
             Lateness::Measured => BTreeMap::new(),
         };
-        let mut latencies = self.latencies(&LatencySource { fixed_ms, elsewhere: None })?;
+        let source = LatencySource { fixed_ms, elsewhere: None };
+        let latencies = source.latencies(&self.drives, &self.detectors);
+        let mut latencies = latencies.map_err(|NoLatency { detector }| {
+            Usage(format!(
+                "[[streaming]]: no time of detection of {detector} is known: give the rule latency_ms, or other detectors"
+            ))
+        })?;
         if rule.lateness == Lateness::Measured {
-            latencies.iter_mut().flatten().flatten().for_each(|it| *it *= slower);
+            latencies.ms.iter_mut().flatten().flatten().for_each(|it| *it *= slower);
         }
         let known = self.run.tally();
         let tasks: Vec<Task> =
@@ -92,12 +84,16 @@ impl<'a> Stream<'a> {
             drives: &self.drives,
             detectors: &self.detectors,
             tasks: &tasks,
-            latencies: &latencies,
+            latencies: &latencies.ms,
             criterion: by_boxes(rule.criterion),
             step_us: GATED_STEP_US,
             is_in_full: false,
         };
         Ok(study.run(|| self.run.manifest.tally_of_moments(), || Ok::<(), Failure>(()))?.streamed)
+    }
+
+    fn n_drives_with_poses(&self) -> usize {
+        self.drives.iter().filter(|it| it.has_poses).count()
     }
 
     /// The geometric mean of the times of the reference, in milliseconds.
@@ -123,13 +119,23 @@ pub fn gated_streams(
     if tolerances.streams.is_empty() || check_comparable(before.0, after.0).is_err() {
         return Ok(Vec::new());
     }
-    // A detector that only the later run has is not gated.
-    let names: Vec<&str> = before.0.detector_names();
-    let of_after: Vec<&str> = after.0.detector_names().into_iter().filter(|it| names.contains(it)).collect();
-    let sides = [Stream::of(before.0, before.1, names)?, Stream::of(after.0, after.1, of_after)?];
-    let references = sides.each_ref().map(Stream::reference_ms);
-    let slower = references[0].zip(references[1]).map_or(1.0, |(before, after)| before / after);
     let pair = |rule: &StreamRule| {
+        // A detector that only the later run has is not gated.
+        let names = before.0.detector_names().into_iter().filter(|it| rule.rule.is_of_detector(it));
+        let names: Vec<&str> = names.collect();
+        let of_after = after.0.detector_names().into_iter().filter(|it| names.contains(it)).collect();
+        let sides = [Stream::of(before.0, before.1, names)?, Stream::of(after.0, after.1, of_after)?];
+        // The car's motion would look like a change of the detector.
+        let [has_poses, has_now] = sides.each_ref().map(Stream::n_drives_with_poses);
+        if has_poses != has_now {
+            let words = format!(
+                "[[streaming]]: poses are known of {has_poses} drives in the baseline and of {has_now} in the run: {POSES_CSV} is \
+                 missing, or of an earlier program"
+            );
+            return Err(Failure::NotComparable(words.into()));
+        }
+        let references = sides.each_ref().map(Stream::reference_ms);
+        let slower = references[0].zip(references[1]).map_or(1.0, |(before, after)| before / after);
         Ok(StreamPair { before: sides[0].moments(rule, 1.0)?, after: sides[1].moments(rule, slower)? })
     };
     tolerances.streams.iter().map(pair).collect()

@@ -1,5 +1,7 @@
 //! `scanbench streaming`: what the detections of a run are worth while the world moves on.
 
+use std::cmp::Reverse;
+use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 use std::str::FromStr;
 use std::sync::atomic::Ordering;
@@ -7,7 +9,7 @@ use std::sync::atomic::Ordering;
 use clap::{Args, ValueEnum};
 use evaluation::matching::criterion::Criterion;
 use evaluation::run::side_by_side::RunError;
-use evaluation::streaming::latencies::LatencySource;
+use evaluation::streaming::latencies::{Latencies, LatencySource, NoLatency};
 use evaluation::streaming::stream_study::StreamStudy;
 use reports::files::csv_rows::to_csv_bytes;
 use reports::files::whole_set::WholeSet;
@@ -17,19 +19,23 @@ use reports::rows::scan_row::ScanRow;
 use reports::run_folder::command_line::shell_word;
 use reports::run_folder::run_archive::RunArchive;
 use reports::run_folder::run_directory::FIGURES;
+use reports::run_folder::run_target::MANIFEST_JSON;
 use reports::streaming::streamed::Streamed;
 use reports::tables::formats::format::Format as _;
 use reports::tables::studies::streaming_table::{StreamingRow, StreamingTable};
+use reports::verdicts::times_doubt::times_doubts;
 use reports::vocabulary::task::Task;
 
 use crate::cli::help_text::{DATA, DETECTORS, JUDGING, OUTPUT, VIEWER};
 use crate::plumbing::failure::{Failure, NothingEvaluated, Usage};
 use crate::plumbing::interruption::interruption_flag;
 use crate::plumbing::open_run::{open_run, refuse_unknown};
-use crate::plumbing::progress::{progress_over_results, progress_over_scans};
+use crate::plumbing::progress::progress_over_scans;
 use crate::plumbing::recorder::record_stream;
 use crate::plumbing::run_manifest::criterion_in_words;
-use crate::plumbing::standard_streams::{Verbosity, is_said, print_diagnostic, print_text, terminal};
+use crate::plumbing::standard_streams::{
+    Verbosity, is_said, print_diagnostic, print_result, print_text, terminal,
+};
 use crate::plumbing::streams::Stream;
 use crate::verbs::worst_scans::{datasets_of, place_of, task_named};
 
@@ -40,6 +46,9 @@ pub struct StreamingArgs {
     /// Run directory; its scans follow one another closely
     #[arg(value_name = "RUN")]
     pub run: PathBuf,
+    /// Also fetch data from the addresses that the run names, for the recording
+    #[arg(long, requires = "save_rrd", help_heading = DATA, hide_short_help = true)]
+    pub trust: bool,
     /// Detectors [default: all of the run]
     #[arg(short, long, value_name = "NAMES", value_delimiter = ',', help_heading = DETECTORS)]
     pub detectors: Vec<String>,
@@ -49,7 +58,7 @@ pub struct StreamingArgs {
     /// Take the times of detection from this run of the same scans, on another machine
     #[arg(long, value_name = "RUN", help_heading = DETECTORS)]
     pub latencies_of: Option<PathBuf>,
-    /// Tasks: objects, vehicles, or classes [default: all of the run]
+    /// Tasks: objects, vehicles, or the name of a class [default: all of the run]
     #[arg(long, value_name = "NAMES", value_delimiter = ',', help_heading = JUDGING)]
     pub task: Vec<String>,
     /// When a box is good enough
@@ -58,19 +67,18 @@ pub struct StreamingArgs {
     /// Time from one moment to the next
     #[arg(long, value_name = "TIME", default_value = "10ms", value_parser = clock_ms, help_heading = JUDGING)]
     pub clock: f64,
-    /// Record a drive in real time for Rerun, too: scans as they are taken, answers as they are known [default FILE: `streaming.rrd` beside the page]
+    /// Directory for streaming.csv, streaming.html and figures/ [default: the run directory]
+    #[arg(short, long, value_name = "DIR", help_heading = OUTPUT)]
+    pub output: Option<PathBuf>,
+    /// Record a drive in real time for Rerun, too [default FILE: `streaming.rrd` beside the page]
+    ///
+    /// It shows scans as they are taken, and what detectors know as late as they know it.
     #[arg(long, value_name = "FILE", num_args = 0..=1, require_equals = true, help_heading = VIEWER)]
     #[allow(clippy::option_option, reason = "both the option and its value may be left out")]
     pub save_rrd: Option<Option<PathBuf>>,
     /// Drive that is recorded [default: the first]
-    #[arg(long, value_name = "NAME", requires = "save_rrd", help_heading = VIEWER)]
+    #[arg(long, value_name = "NAME", requires = "save_rrd", help_heading = VIEWER, hide_short_help = true)]
     pub drive: Option<String>,
-    /// Also fetch data from the addresses that the run names, for the recording
-    #[arg(long, requires = "save_rrd", help_heading = DATA)]
-    pub trust: bool,
-    /// Directory for streaming.csv, streaming.html and figures/ [default: the run directory]
-    #[arg(short, long, value_name = "DIR", help_heading = OUTPUT)]
-    pub output: Option<PathBuf>,
 }
 
 /// Names of the criteria by boxes.
@@ -130,6 +138,17 @@ fn clock_ms(text: &str) -> Result<f64, String> {
     if (1.0..=1000.0).contains(&clock_ms) { Ok(clock_ms) } else { Err("not from 1 ms to 1 s".to_owned()) }
 }
 
+/// The page.
+const STREAMING_HTML: &str = "streaming.html";
+/// A longer time from moment to moment is not fine, in milliseconds: half of that from scan to scan.
+const LONGEST_FINE_CLOCK_MS: f64 = 50.0;
+
+/// Whether both paths lead to the same folder.
+fn same_file(a: &Path, b: &Path) -> bool {
+    let [a, b] = [a, b].map(|it| it.canonicalize().ok());
+    a.is_some() && a == b
+}
+
 const EXAMPLES: &str = "\
 Examples:
   scanbench run streaming-streets && scanbench streaming runs/latest
@@ -150,16 +169,25 @@ pub fn streaming(arguments: &StreamingArgs) -> Result<(), Failure> {
     let elsewhere = arguments.latencies_of.as_deref().map(open_run).transpose()?;
     let choice = Choice::of(arguments, &run, elsewhere.as_ref().map(|it| &it.scans[..]))?;
     let drive_idx = choice.recorded_drive(arguments)?;
+    let (streamed, caveats) = choice.streamed(arguments)?;
     let notes = choice.notes(arguments);
-    let streamed = choice.streamed(arguments)?;
     let criterion = criterion_in_words(arguments.criterion.criterion());
-    let in_full =
-        StreamingTable { streamed: &streamed, matched_by: &criterion, notes: &notes, is_short: false };
+    let in_full = StreamingTable {
+        streamed: &streamed,
+        matched_by: &criterion,
+        caveats: &caveats,
+        notes: &notes,
+        is_short: false,
+    };
     let output = arguments.output.as_deref().unwrap_or(&arguments.run);
     write(&in_full, arguments, output)?;
-    let is_short = !is_said(Verbosity::Verbose);
-    print_text(&terminal().text(&StreamingTable { is_short, ..in_full }))?;
-    print_diagnostic(format_args!("Page: {}", output.join("streaming.html").display()));
+    if is_said(Verbosity::Usual) {
+        let is_short = !is_said(Verbosity::Verbose);
+        print_text(&terminal().text(&StreamingTable { is_short, ..in_full }))?;
+        print_diagnostic(format_args!("Page: {}", output.join(STREAMING_HTML).display()));
+    } else {
+        print_result(output.join(STREAMING_HTML).display())?;
+    }
     match &arguments.save_rrd {
         Some(file) => {
             let path = file.clone().unwrap_or_else(|| output.join("streaming.rrd"));
@@ -170,13 +198,22 @@ pub fn streaming(arguments: &StreamingArgs) -> Result<(), Failure> {
 }
 
 fn write(table: &StreamingTable<'_>, arguments: &StreamingArgs, output: &Path) -> Result<(), Failure> {
+    let is_of_run = same_file(output, &arguments.run);
+    if !is_of_run && output.join(MANIFEST_JSON).exists() {
+        let name = output.display();
+        return Err(Usage(format!("{name} is the directory of another run; choose another for -o")).into());
+    }
     let files = WholeSet::within(output)?;
-    let rows: Vec<StreamingRow> = table.streamed.iter().flat_map(StreamingRow::all).collect();
+    let rows: Vec<StreamingRow> = table
+        .streamed
+        .iter()
+        .flat_map(|it| StreamingRow::all(it, arguments.criterion.criterion().kind(), arguments.clock))
+        .collect();
     files.write("streaming.csv", &to_csv_bytes(&rows)?)?;
     let words: Vec<String> = std::env::args().skip(1).map(|it| shell_word(&it)).collect();
     let name = arguments.run.file_name().unwrap_or(arguments.run.as_os_str()).to_string_lossy();
     let page = StreamingPage::of(table, &name, &format!("scanbench {}", words.join(" ")));
-    files.write("streaming.html", page.html.as_bytes())?;
+    files.write(STREAMING_HTML, page.html.as_bytes())?;
     for figure in &page.figures {
         files.write(&format!("{FIGURES}/{}.svg", figure.file_stem), figure.svg.as_bytes())?;
     }
@@ -188,7 +225,7 @@ fn write(table: &StreamingTable<'_>, arguments: &StreamingArgs, output: &Path) -
 struct Choice<'a> {
     stream: Stream<'a>,
     tasks: Vec<Task>,
-    latencies: Vec<Vec<Vec<f64>>>,
+    latencies: Latencies,
 }
 
 impl<'a> Choice<'a> {
@@ -198,18 +235,33 @@ impl<'a> Choice<'a> {
         elsewhere: Option<&[ScanRow]>,
     ) -> Result<Self, Failure> {
         let known = run.detector_names();
-        let asked = arguments.detectors.iter().chain(arguments.latencies.iter().map(|it| &it.detector));
-        asked.clone().try_for_each(|it| refuse_unknown("detector", it, &known))?;
+        arguments.detectors.iter().try_for_each(|it| refuse_unknown("detector", it, &known))?;
         let is_asked =
             |it: &&str| arguments.detectors.is_empty() || arguments.detectors.iter().any(|name| name == it);
-        let detectors = known.into_iter().filter(is_asked).collect();
+        let detectors: Vec<&str> = known.into_iter().filter(is_asked).collect();
+        let mut fixed_ms = BTreeMap::new();
+        for LatencyOption { detector, latency_ms } in &arguments.latencies {
+            refuse_unknown("detector", detector, &detectors)?;
+            if fixed_ms.insert(detector.clone(), *latency_ms).is_some() {
+                return Err(Usage(format!("--latency: {detector} is given twice")).into());
+            }
+        }
         let tasks: Vec<Task> = match &arguments.task[..] {
             [] => run.tally().tasks().to_vec(),
             named => named.iter().map(|it| task_named(run, it)).collect::<Result<_, _>>()?,
         };
         let stream = Stream::of(run, &arguments.run, detectors)?;
-        let fixed_ms = arguments.latencies.iter().map(|it| (it.detector.clone(), it.latency_ms)).collect();
-        let latencies = stream.latencies(&LatencySource { fixed_ms, elsewhere })?;
+        let source = LatencySource { fixed_ms, elsewhere };
+        let latencies = source.latencies(&stream.drives, &stream.detectors);
+        let latencies = latencies.map_err(|NoLatency { detector }| {
+            let where_from = match &arguments.latencies_of {
+                Some(path) => format!(" for these scans in {}", path.display()),
+                None => String::new(),
+            };
+            Usage(format!(
+                "no time of detection of {detector} is known{where_from}: give it with --latency {detector}=120ms"
+            ))
+        })?;
         Ok(Self { stream, tasks, latencies })
     }
 
@@ -218,25 +270,27 @@ impl<'a> Choice<'a> {
             drives: &self.stream.drives,
             detectors: &self.stream.detectors,
             tasks: &self.tasks,
-            latencies: &self.latencies,
+            latencies: &self.latencies.ms,
             criterion: arguments.criterion.criterion(),
             step_us: (1000.0 * arguments.clock).round() as i64,
             is_in_full: true,
         }
     }
 
-    /// The numbers of all drives.
-    fn streamed(&self, arguments: &StreamingArgs) -> Result<Vec<Streamed>, Failure> {
-        let n_drives = self.stream.drives.len();
-        let progress = progress_over_results(n_drives, 0, "drives");
-        let mut n_done = 0;
+    /// The numbers of all drives, and what a reader has to know before them.
+    fn streamed(&self, arguments: &StreamingArgs) -> Result<(Vec<Streamed>, Vec<String>), Failure> {
+        let drives = &self.stream.drives;
+        let n_scans = drives.iter().map(|it| it.scans.len()).sum();
+        let progress = progress_over_scans(n_scans, "streaming");
+        let (mut n_done, mut n_drives_done) = (0, 0);
         let result = self.study(arguments).run(
             || self.stream.run.manifest.tally_of_moments(),
             || {
-                progress.inc(1);
-                n_done += 1;
+                n_done += drives[n_drives_done].scans.len();
+                n_drives_done += 1;
+                progress.set_position(n_done as u64);
                 let is_interrupted = interruption_flag().load(Ordering::Relaxed);
-                if is_interrupted { Err(RunError::Interrupted { n_done, n_scans: n_drives }) } else { Ok(()) }
+                if is_interrupted { Err(RunError::Interrupted { n_done, n_scans }) } else { Ok(()) }
             },
         )?;
         progress.finish_and_clear();
@@ -245,28 +299,75 @@ impl<'a> Choice<'a> {
             let reason = "no object that counts can be followed: it needs boxes and tracks".to_owned();
             return Err(NothingEvaluated { reason }.into());
         }
-        Ok(streamed)
+        let mut caveats = self.caveats(arguments);
+        let [n_unfollowed, n_labels] = result.n_unfollowed;
+        if n_unfollowed > 0 {
+            caveats.push(format!(
+                "{n_unfollowed} of {n_labels} labels that count have no box, or no track that is their own: they count in scans, and \
+                 not as it streams."
+            ));
+        }
+        Ok((streamed, caveats))
     }
 
-    /// What a reader has to know beside the numbers.
+    /// What decides whether the numbers mean anything.
+    fn caveats(&self, arguments: &StreamingArgs) -> Vec<String> {
+        let mut caveats = self.stream.notes.clone();
+        let RunArchive { manifest, report, .. } = self.stream.run;
+        if arguments.latencies.len() < self.stream.detectors.len() && arguments.latencies_of.is_none() {
+            caveats.extend(times_doubts(manifest, report));
+        }
+        if self.latencies.n_filled_in > 0 {
+            caveats.push(format!(
+                "{} times of a scan are not known: the median of the detector's others stands for them.",
+                self.latencies.n_filled_in
+            ));
+        }
+        if arguments.clock > LONGEST_FINE_CLOCK_MS {
+            caveats.push(format!(
+                "A clock of {} ms is too coarse: it misses most of what happens.",
+                arguments.clock
+            ));
+        }
+        caveats
+    }
+
+    /// What numbers were made of.
     fn notes(&self, arguments: &StreamingArgs) -> Vec<String> {
-        let mut notes = self.stream.notes.clone();
-        notes.extend(about_times(arguments, self.stream.run));
+        let mut notes = about_times(arguments, self.stream.run, &self.stream.detectors);
+        let (of_run, here) = (
+            &self.stream.run.manifest.matching_criterion,
+            criterion_in_words(arguments.criterion.criterion()),
+        );
+        if *of_run != here {
+            notes.push(format!(
+                "The run itself matched by {of_run}: its rates are others than those of *scans* here."
+            ));
+        }
+        let drives: BTreeSet<(&str, &str)> =
+            self.stream.drives.iter().map(|it| (it.dataset.as_str(), it.name.as_str())).collect();
+        let gaps = match self.stream.drives.len() - drives.len() {
+            0 => String::new(),
+            n_gaps => format!(" with {n_gaps} gaps"),
+        };
         notes.push(format!(
-            "{} drives, {} scans, a moment every {} ms.",
-            self.stream.drives.len(),
+            "Drives: {}{gaps}; scans: {}; a moment every {} ms.",
+            drives.len(),
             self.stream.drives.iter().map(|it| it.scans.len()).sum::<usize>(),
             arguments.clock
         ));
         notes
     }
 
-    /// Index of the drive that is recorded.
+    /// Index of the drive that is recorded, of one with gaps its longest stretch.
     fn recorded_drive(&self, arguments: &StreamingArgs) -> Result<usize, Usage> {
         let Some(name) = &arguments.drive else { return Ok(0) };
-        let found = self.stream.drives.iter().position(|it| it.name == *name);
-        found.ok_or_else(|| {
-            let names: Vec<&str> = self.stream.drives.iter().map(|it| it.name.as_str()).collect();
+        let drives = self.stream.drives.iter();
+        let stretches = drives.clone().enumerate().filter(|(_, it)| it.name == *name);
+        let longest = stretches.max_by_key(|(drive_idx, it)| (it.scans.len(), Reverse(*drive_idx)));
+        longest.map(|(drive_idx, _)| drive_idx).ok_or_else(|| {
+            let names: BTreeSet<&str> = drives.map(|it| it.name.as_str()).collect();
+            let names: Vec<&str> = names.into_iter().collect();
             Usage(format!("the run has no drive {name:?}; its drives are {}", names.join(", ")))
         })
     }
@@ -297,16 +398,16 @@ impl<'a> Choice<'a> {
     }
 }
 
-/// Where times of detection come from.
-fn about_times(arguments: &StreamingArgs, run: &RunArchive) -> Vec<String> {
-    let mut about: Vec<String> = arguments
-        .latencies
-        .iter()
-        .map(|it| format!("The time of {} is set to {} ms.", it.detector, it.latency_ms))
-        .collect();
-    about.push(match &arguments.latencies_of {
-        Some(path) => format!("Times of detection are those of {}.", path.display()),
-        None => format!("Times of detection as measured on {}.", run.manifest.machine.cpu_model),
-    });
+/// The sources of the times of detection.
+fn about_times(arguments: &StreamingArgs, run: &RunArchive, detectors: &[&str]) -> Vec<String> {
+    let set = arguments.latencies.iter();
+    let mut about: Vec<String> =
+        set.map(|it| format!("The time of {} is set to {} ms.", it.detector, it.latency_ms)).collect();
+    if arguments.latencies.len() < detectors.len() {
+        about.push(match &arguments.latencies_of {
+            Some(path) => format!("Times of detection are those of {}.", path.display()),
+            None => format!("Times of detection as measured on {}.", run.manifest.machine.cpu_model),
+        });
+    }
     about
 }

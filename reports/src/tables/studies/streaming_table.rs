@@ -11,6 +11,7 @@ use crate::tables::grid::{Cell, Column, Grid, Line, LineKind};
 use crate::tables::notes::{INTERVAL_TITLE, about_interval};
 use crate::tables::sheet::{Part, Sheet, Tabular};
 use crate::tables::task_grids::interval_cell;
+use crate::vocabulary::criterion::CriterionKind;
 use crate::vocabulary::forecast::Forecast;
 use crate::vocabulary::origin::Origin;
 use crate::vocabulary::slice::Slice;
@@ -23,7 +24,9 @@ pub struct StreamingTable<'a> {
     pub streamed: &'a [Streamed],
     /// How boxes were matched, such as `centres closer than 2 m`.
     pub matched_by: &'a str,
-    /// What else a reader has to know.
+    /// What a reader has to know before the numbers.
+    pub caveats: &'a [String],
+    /// What else there is to know.
     pub notes: &'a [String],
     /// Whether it is for a terminal: data sets of one origin together, and fewer columns.
     pub is_short: bool,
@@ -50,13 +53,13 @@ impl Tabular for StreamingTable<'_> {
              every moment the newest answer, moved on by the car's motion, judged where things are then."
                 .to_owned(),
             "held: the same, not moved at all. tracked: moved on with the velocity of a small tracker. truth: what a detector \
-             would reach that finds exactly the labels and is as late."
+             would reach that finds exactly the labels, answers as late, and forecasts nothing but the car's motion."
                 .to_owned(),
             "age: of what is known, median and 95th percentile. dropped: scans that came while the detector was busy, in %."
                 .to_owned(),
         ];
         if !self.is_short {
-            sentences.push("P, R, AP: precision, recall and average precision as it streams.".to_owned());
+            sentences.push("AP: average precision as it streams.".to_owned());
         }
         if self.streamed.iter().any(|it| it.streamed.fo().is_none()) {
             sentences.push("Where false detections are unknown, rates are recalls.".to_owned());
@@ -64,7 +67,8 @@ impl Tabular for StreamingTable<'_> {
         sentences.extend(self.notes.iter().cloned());
         let kind = self.streamed.iter().find_map(|it| it.within.map(|it| it.blocks.kind));
         sentences.extend(kind.map(|it| format!("{INTERVAL_TITLE}: {}", about_interval(it))));
-        let lead = self.of_tasks_and_extents().iter().filter_map(|it| leaders(it)).collect();
+        let leaders = self.of_tasks_and_extents().into_iter().filter_map(|it| leaders(&it));
+        let lead = leaders.chain(self.caveats.iter().cloned()).collect();
         Sheet { lead, ..Sheet::of_parts(parts, sentences).labelled("streaming") }
     }
 }
@@ -84,37 +88,42 @@ impl StreamingTable<'_> {
     }
 }
 
-/// Which detector has the highest rate on which computers; `None` if there are no others to beat, or no rates.
+/// Which detector has the highest rate on which computers; `None` if there are no others to beat, or no rates. Rates are not
+/// compared beyond a tenth of a percent, and the caveat of their intervals is said.
 fn leaders(of_extent: &[&Streamed]) -> Option<String> {
-    let Streamed { task, extent, origin, .. } = of_extent.first()?;
-    let speeds: Vec<MachineSpeed> = of_extent[0].by_machine().map(|it| it.0).collect();
-    let best = |speed: &MachineSpeed| {
-        let rate = |it: &&&Streamed| it.by_machine().find(|it| it.0 == *speed)?.1;
-        let rated = of_extent.iter().filter_map(|it| Some((rate(&it)?, it.detector.as_str())));
-        // Of equal ones the first.
-        rated.reduce(|best, it| if it.0 > best.0 { it } else { best }).map(|it| it.1)
+    let Streamed { task, extent, origin, within, .. } = of_extent.first()?;
+    let best = |speed: MachineSpeed| {
+        let rated = of_extent.iter().filter_map(|it| {
+            let rate = it.by_machine().find(|it| it.0 == speed)?.1?;
+            Some(((1000.0 * rate).round(), it.detector.as_str()))
+        });
+        let rated: Vec<(f64, &str)> = rated.filter(|it| it.0 > 0.0).collect();
+        let highest = rated.iter().map(|it| it.0).reduce(f64::max)?;
+        let best: Vec<&str> = rated.iter().filter(|it| it.0 == highest).map(|it| it.1).collect();
+        Some((speed, best.join(" and ")))
     };
-    let best: Vec<(MachineSpeed, &str)> = speeds.iter().filter_map(|it| Some((*it, best(it)?))).collect();
-    let stretches: Vec<String> = best
-        .chunk_by(|a, b| a.1 == b.1)
-        .map(|it| {
-            let times = |it: MachineSpeed| three_digits(it.factor());
-            match it {
-                [(speed, name)] => format!("{name} at {}", times(*speed)),
-                [(first, name), .., (last, _)] => {
-                    format!("{name} from {} to {}", times(*first), times(*last))
-                }
-                [] => String::new(),
-            }
-        })
-        .collect();
+    let best: Vec<(MachineSpeed, String)> = of_extent[0].by_machine().filter_map(|it| best(it.0)).collect();
+    let stretch = |it: &[(MachineSpeed, String)]| match it {
+        [(speed, names)] => format!("{names} at {}", times(*speed)),
+        [(first, names), .., (last, _)] => format!("{names} from {} to {}", times(*first), times(*last)),
+        [] => String::new(),
+    };
+    let stretches: Vec<String> = best.chunk_by(|a, b| a.1 == b.1).map(stretch).collect();
     let on = format!("{}{}", extent.name(), origin.in_brackets());
+    let caveat = within.and_then(|it| it.blocks.caveat_of_conclusions());
+    let caveat = caveat.map_or_else(String::new, |it| format!(" ({it})"));
     (of_extent.len() > 1 && !stretches.is_empty()).then(|| {
         format!(
-            "Task {task} on {on}: the highest rate on a computer so many times as fast as here has {}.",
-            stretches.join(", ")
+            "Task {task} on {on}: the highest rate, by speed of the computer (1 is as measured): {}{caveat}.",
+            stretches.join("; ")
         )
     })
+}
+
+/// A factor of speed for a sentence: `1/4`, `2`, or with decimals between octaves.
+fn times(speed: MachineSpeed) -> String {
+    let octave = factor_in_words(speed);
+    if octave.is_empty() { three_digits(speed.factor()) } else { octave }
 }
 
 /// Whether it is about a single data set of which others are judged together with it.
@@ -134,9 +143,9 @@ fn rates(of_extent: &[&Streamed], is_short: bool) -> Grid {
     columns.push(Column::left(INTERVAL_TITLE).within(rate));
     columns.extend(["held", "tracked", "truth"].map(|it| Column::number(it).within(rate)));
     let has_ap = of_extent.iter().any(|it| it.average_precision.is_some());
-    let is_shown = |it: &&str| !is_short && is_known && (*it != "AP" || has_ap);
-    let more: Vec<&str> = ["P", "R", "AP"].into_iter().filter(is_shown).collect();
-    columns.extend(more.iter().map(|it| Column::number(*it)));
+    // Precision and recall are in the file: a table has room for so much.
+    let has_ap = !is_short && has_ap;
+    columns.extend(has_ap.then(|| Column::number("AP")));
     columns.extend(["p50", "p95"].map(|it| Column::number(it).within("age [ms]")));
     columns.push(Column::number("dropped"));
     let line = |it: &&Streamed| {
@@ -149,13 +158,7 @@ fn rates(of_extent: &[&Streamed], is_short: bool) -> Grid {
         let mut cells: Vec<Cell> = cells.into_iter().map(Cell::new).collect();
         cells.push(interval_cell(it.within));
         cells.extend(others.map(|it| Cell::new(percent(it))));
-        cells.extend(more.iter().map(|name| {
-            Cell::new(percent_or_dash(match *name {
-                "P" => it.streamed.precision(),
-                "R" => it.streamed.recall(),
-                _ => it.average_precision,
-            }))
-        }));
+        cells.extend(has_ap.then(|| Cell::new(percent_or_dash(it.average_precision))));
         cells.extend([age(0), age(1), percent_or_dash(it.dropped())].map(Cell::new));
         Line { kind: LineKind::Dataset, cells }
     };
@@ -203,6 +206,12 @@ row! {
         task: Task,
         /// Name of the detector.
         detector: String,
+        /// What boxes are compared by.
+        criterion: CriterionKind,
+        /// Time from one moment to the next.
+        clock_ms: Fixed<3>,
+        /// Median time of detection.
+        latency_p50_ms: Option<Fixed<3>>,
         /// `scans`: each answer at the time of its scan. `streams`: the newest answer at every moment. `late-truth`: labels as
         /// answers, as late as those of the detector.
         judged: String,
@@ -240,13 +249,16 @@ row! {
 }
 
 impl StreamingRow {
-    /// All rows of `streamed`.
-    pub fn all(streamed: &Streamed) -> Vec<Self> {
+    /// All rows of `streamed`, which was judged by `criterion` every `clock_ms`.
+    pub fn all(streamed: &Streamed, criterion: CriterionKind, clock_ms: f64) -> Vec<Self> {
         let row = |judged: &str, forecast, speed: Option<MachineSpeed>, slice, counts: Counts| Self {
             dataset: streamed.extent.name().to_owned(),
             simulated: streamed.origin != Origin::Recorded,
             task: streamed.task,
             detector: streamed.detector.clone(),
+            criterion,
+            clock_ms: Fixed(clock_ms),
+            latency_p50_ms: streamed.latency_ms().map(Fixed),
             judged: judged.to_owned(),
             forecast,
             machine_speed: speed.map(|it| Fixed(it.factor())),
