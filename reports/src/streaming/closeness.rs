@@ -72,7 +72,7 @@ fn timed_scans<'a>(scans: &'a [ScanRow], drive_of: &impl Fn(&ScanRow) -> String)
         timed[dataset_idx].1.entry((drive_of(row), row.sequence.clone())).or_default().push(entry);
     }
     for of_drive in timed.iter_mut().flat_map(|it| it.1.values_mut()) {
-        of_drive.sort_by(|a, b| (a.1, a.0.scan).cmp(&(b.1, b.0.scan)));
+        of_drive.sort_by_key(|it| (it.1, it.0.scan));
         of_drive.dedup();
     }
     timed

@@ -59,9 +59,10 @@ fn of_rule(stream: &StreamRule, pair: &StreamPair) -> Vec<GatedMetric> {
         for &task in pair.before.tasks() {
             for detector in pair.before.detectors() {
                 let question = Question { dataset: &dataset, task, detector, slice: Slice::All };
-                let is_known =
-                    |it: &Tally| it.counts(&dataset, task, detector).is_some_and(|it| it.fo().is_some());
-                let metric = if is_known(&pair.before) { Metric::FRate } else { Metric::Recall };
+                let known = pair.before.counts(&dataset, task, detector);
+                // Of a class that is nowhere labelled there is no rate; rules of quality hold its false objects.
+                let Some(counts) = known.filter(|it| it.no() > 0) else { continue };
+                let metric = if counts.fo().is_some() { Metric::FRate } else { Metric::Recall };
                 let of_metric =
                     sides.held(std::slice::from_ref(&stream.rule), &[metric], &question, on.as_deref());
                 let named = of_metric

@@ -545,7 +545,7 @@ mod tests {
             drives: &drives,
             detectors: &["exact"],
             tasks: &[Task::Vehicles],
-            latencies: &vec![vec![vec![100.0; 11]]],
+            latencies: &[vec![vec![100.0; 11]]],
             criterion: Criterion::CENTRE,
             step_us: 1000,
             is_in_full: false,

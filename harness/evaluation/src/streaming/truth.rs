@@ -289,7 +289,7 @@ mod tests {
         }
         assert!(n_compared > 5000 && n_moving > 500, "{n_compared} {n_moving}");
         assert!(
-            on_ground_m < 0.03 && seen_m < 0.25 && turned_rad < 0.01,
+            on_ground_m < 0.003 && seen_m < 0.21 && turned_rad < 0.003,
             "{on_ground_m} {seen_m} {turned_rad}"
         );
     }
@@ -313,5 +313,20 @@ mod tests {
         }
         assert!(moment.exclusions.iter().any(Option::is_some));
         assert_eq!(truth.n_unfollowed()[0], 0);
+    }
+
+    #[test]
+    fn what_has_no_track_is_judged_in_its_scan_alone() {
+        let street = Street::new(StreetKind::MainRoad, 9001);
+        let (drive, mut labels) = drive_of(&street, (0..=4).step_by(2));
+        labels.iter_mut().flatten().for_each(|it| it.facts.track = None);
+        let truth = TaskTruth::of(&drive, &labels);
+        let n_labels = labels.iter().flatten().count() as u64;
+        assert_eq!(truth.n_unfollowed(), [n_labels, n_labels]);
+        assert!(truth.at_scan(1).exclusions.iter().all(Option::is_none));
+        let at_it = truth.at(drive.scans[1].time_us);
+        assert!(at_it.exclusions.iter().all(Option::is_some));
+        assert!(!at_it.follows(None) && truth.at_scan(1).follows(None));
+        assert!(truth.at(50_000).facts.is_empty());
     }
 }

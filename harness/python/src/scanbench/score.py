@@ -38,6 +38,10 @@ class Annotations:
             values = getattr(self, name)
             if values is not None and len(values) != len(self.array):
                 raise ValueError(f"{len(values)} {name} for {len(self.array)} boxes")
+        if strange := [it for it in self.classes if not isinstance(it, str)]:
+            raise TypeError(f"the class {strange[0]!r} is no name")
+        if self.n_points is not None and np.min(self.n_points, initial=0) < 0:
+            raise ValueError("an annotation has fewer than 0 points")
 
     @property
     def array(self) -> NDArray[np.float32]:
@@ -78,13 +82,23 @@ class Score:
     def value(self, metric: str, task: str = "vehicles", part: str = "all") -> float | None:
         """A number of the report, such as `f_rate`, `recall` or `ap_101_points`; None where it is undefined.
 
-        `task` is `objects`, `vehicles` or a class, `part` a slice such as `range/0-15`. Raises KeyError if there is no such number.
+        `task` is `objects`, `vehicles` or a class, `part` a slice such as `range/0-15`. The F-rate and precision are undefined where
+        not all objects are labelled (`labelled`), average precision is missing where detections have no scores, and a class where it
+        is neither labelled nor detected. Raises KeyError, with what there is, if there is no such number.
         """
-        for row in self._answer["report"]["rows"]:
+        rows = self._answer["report"]["rows"]
+        for row in rows:
             if (row["metric"], row["task"], row["slice"]) == (metric, task, part):
                 value = row["value"]
                 return None if value is None else float(value)
-        raise KeyError(f"{metric} of {task}, {part}")
+        tasks = dict.fromkeys(row["task"] for row in rows)
+        metrics = dict.fromkeys(row["metric"] for row in rows if (row["task"], row["slice"]) == (task, part))
+        there = f"metrics {', '.join(metrics)}" if metrics else f"tasks {', '.join(tasks) or 'none'}"
+        raise KeyError(f"there is no {metric} of {task}, {part}: there are the {there}")
+
+    def __repr__(self) -> str:
+        rates = [(task, self.value("f_rate", task)) for task in ("objects", "vehicles")]
+        return "Score(" + ", ".join(f"f_rate of {task}: {rate}" for task, rate in rates) + ")"
 
 
 def score(
@@ -104,8 +118,9 @@ def score(
 ) -> Score:
     """Judges detections of some scans by their annotations, an entry of both for each scan; nothing is written.
 
-    The numbers are those of `scanbench run --detections` on the same scans. `clouds` (n × 3 or more) decide how many points an object
-    has, and are needed by the criterion `points`. `scans` names each scan by drive and number; without, all are of one drive.
+    The numbers are those of `scanbench run --detections` on the same scans, with the same points. `clouds` (n × 3 or more) decide how
+    many points an object has, and are needed by the criterion `points`. A box without a class is taken for a vehicle or not by its size,
+    or with clouds by a trained model. `scans` names each scan by drive and number; without, all are of one drive.
     `times_s` is when each was taken in its drive: intervals are drawn over drives, or seconds. `labelled` are the classes that are
     labelled, by default those of the annotations; an empty list says that nothing which stands on the street is left out. `classes`
     says what other names stand for, such as `{"forklift": "misc"}`; `parameters` are those of matching (`-P`).
@@ -113,9 +128,14 @@ def score(
     Raises ScanbenchError, with `exit_code`, if something is wrong.
     """
     n_scans = len(annotations)
-    for name, of_scans in (("detections", detections), ("clouds", clouds), ("scans", scans), ("times_s", times_s)):
-        if of_scans is not None and len(of_scans) != n_scans:
-            raise ValueError(f"{len(of_scans)} {name} for annotations of {n_scans} scans")
+    if n_scans == 0:
+        raise ValueError("there are no scans to score")
+    for name, of_scans, kind in (("annotations", annotations, Annotations), ("detections", detections, Boxes)):
+        if strange := [type(it).__name__ for it in of_scans if not isinstance(it, kind)]:
+            raise TypeError(f"{name} are a list of {kind.__name__}, one for each scan, and one is {strange[0]}")
+    for name, given in (("detections", detections), ("clouds", clouds), ("scans", scans), ("times_s", times_s)):
+        if given is not None and len(given) != n_scans:
+            raise ValueError(f"{len(given)} {name} for annotations of {n_scans} scans")
     points = None if clouds is None else [_points(cloud) for cloud in clouds]
     request = {
         "dataset": dataset,
@@ -171,5 +191,8 @@ def _detections(of_scan: Boxes) -> list[dict[str, Any]]:
     n_boxes = len(of_scan)
     classes = [None] * n_boxes if of_scan.classes is None else list(of_scan.classes)
     scores = [None] * n_boxes if of_scan.scores is None else np.asarray(of_scan.scores, dtype="<f4").tolist()
+    for name, values in (("classes", classes), ("scores", scores)):
+        if len(values) != n_boxes:
+            raise ValueError(f"{len(values)} {name} for {n_boxes} boxes")
     columns = zip(of_scan.array.tolist(), classes, scores, strict=True)
     return [{"class": name, "score": value, "values": row} for row, name, value in columns]

@@ -90,7 +90,6 @@ Examples:
   scanbench run                                 simulated streets, five detectors
   scanbench run ~/data/kitti/tracking           KITTI tracking, recognised by its folders
   scanbench run kitti-object -d hierarchical,pca --criterion centre
-  scanbench detect 000000.bin -o clusters.csv   the clusters of one scan
   scanbench data list                           the data sets of the catalogue";
 
 const EXIT_CODES: &str = "\
@@ -164,6 +163,7 @@ pub enum Command {
     /// Measure the errors of five ways to fit boxes
     Boxes(boxes::BoxesArgs),
     /// Judge annotations and detections that a program hands over
+    #[command(hide = true)]
     Score(score::ScoreArgs),
     /// Run one of our detectors for a program that speaks the protocol
     Serve(ServeArgs),
