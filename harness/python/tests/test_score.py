@@ -130,7 +130,7 @@ def test_exact_boxes_score_one_and_what_is_wrong_is_said() -> None:
     labels, _, _ = drawn(2, 5)
     exact = [Boxes(it.rows, [1.0] * 5, list(it.classes)) for it in labels]
     for criterion in ("centre", "bev-iou", "iou-3d"):
-        assert scanbench.score(labels, exact, criterion=criterion).value("f_rate", "vehicles") == 1.0  # type: ignore[arg-type]
+        assert scanbench.score(labels, exact, criterion=criterion).value("f_rate", "vehicles") == 1.0
     strange = [Annotations(it.rows, ["forklift"] * 5) for it in labels]
     with pytest.raises(ScanbenchError, match='scan 0/000000: annotation 1: "forklift" is not a class') as refused:
         scanbench.score(strange, exact)
@@ -145,6 +145,6 @@ def test_exact_boxes_score_one_and_what_is_wrong_is_said() -> None:
     with pytest.raises(ValueError, match="1 scores for 5 boxes"):
         scanbench.score(labels, [Boxes(it.rows, [0.5]) for it in labels])
     with pytest.raises(ValueError, match="box 1 has NaN"):
-        Annotations([[0, 0, 0, 1, 1, 1, 0], [0, math.nan, 0, 1, 1, 1, 0]], ["car", "car"])
+        Annotations(np.array([[0, 0, 0, 1, 1, 1, 0], [0, math.nan, 0, 1, 1, 1, 0]]), ["car", "car"])
     with pytest.raises(ValueError, match="4 classes for 5 boxes"):
         Annotations(labels[0].rows, ["car"] * 4)
