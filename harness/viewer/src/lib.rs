@@ -22,6 +22,7 @@ mod viewer;
 mod stream_options;
 mod recording_layout;
 mod layers;
+mod single_file;
 mod blueprint;
 mod scan_views;
 mod log_static;

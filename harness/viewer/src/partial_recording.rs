@@ -9,15 +9,14 @@ use re_sdk_types::components::Radius;
 use re_sdk_types::datatypes::Rgba32;
 use reports::rows::partial_row::{OfClasses, Predicted};
 use reports::vocabulary::partial_class::PartialClass;
-use rerun::sink::LogSink;
-use rerun::{RecordingStream, RecordingStreamBuilder};
+use rerun::RecordingStream;
 
 use super::blueprint::growth::{GrowthColumn, GrowthTab, send_growth_blueprint};
 use super::entity_paths::{GrowthPart, growth};
 use super::error::StreamError;
 use super::layers::APPLICATION_ID;
 use super::palette::Rgb;
-use super::recording_file::RecordingFile;
+use super::single_file::SingleFile;
 use super::{legend, palette, recording};
 
 /// Timeline, and its steps a second, of objects that are uncovered, and of objects that are driven toward.
@@ -30,40 +29,23 @@ const DRIVEN: (&str, f64) = ("driven_cm", 100.0);
 ///
 /// [`StreamError`] if the file cannot be written, or Rerun refuses.
 pub fn record_growths(path: &Path, name: &str, growths: &[Growth]) -> Result<(), StreamError> {
-    // Where the variable RERUN turns recordings off, Rerun itself would leave an empty file.
-    if !rerun::decide_logging_enabled(true) {
-        return Err(StreamError::SwitchedOff);
-    }
-    let file = RecordingFile::create(path)?;
-    let sinks: Vec<Box<dyn LogSink>> = vec![Box::new(file.clone())];
-    let not_begun = |error: rerun::RecordingStreamError| StreamError::Log {
-        entity: "the recording".to_owned(),
-        reason: error.to_string(),
-    };
-    let builder = RecordingStreamBuilder::new(APPLICATION_ID).recording_name(name);
-    let stream = builder.set_sinks(sinks).map_err(not_begun)?;
-    stream.set_log_tick_enabled(false);
-    stream.set_log_time_enabled(false);
+    let file = SingleFile::begin(path, name)?;
+    let stream = &file.stream;
     let timeline = if growths.iter().any(|it| it.moments.iter().any(|it| it.scanner.is_some())) {
         DRIVEN
     } else {
         STEPS
     };
     for growth in growths {
-        log_lines(&stream, growth)?;
+        log_lines(stream, growth)?;
         let mut before = PointCloud::default();
         for moment in &growth.moments {
             stream.set_time_sequence(timeline.0, moment.at);
-            log_moment(&stream, growth, moment, &before)?;
+            log_moment(stream, growth, moment, &before)?;
             before = moment.cloud.clone();
         }
     }
-    send_growth_blueprint(&stream, APPLICATION_ID, &tabs(growths), timeline)?;
-    let not_written = |error: &dyn std::fmt::Display| StreamError::Write {
-        path: path.to_owned(),
-        reason: error.to_string(),
-    };
-    stream.flush_blocking().map_err(|error| not_written(&error))?;
+    send_growth_blueprint(stream, APPLICATION_ID, &tabs(growths), timeline)?;
     file.finish()
 }
 

@@ -9,8 +9,7 @@ use re_sdk_types::archetypes::{Scalars, SeriesLines, Transform3D, ViewCoordinate
 use re_sdk_types::components::Radius;
 use re_sdk_types::datatypes::Quaternion;
 use reports::rows::match_outcome::MatchOutcome;
-use rerun::sink::LogSink;
-use rerun::{RecordingStream, RecordingStreamBuilder};
+use rerun::RecordingStream;
 use scans::annotation::LabeledScan;
 use scans::conversion::results::detection_rows::oriented_box;
 
@@ -20,7 +19,7 @@ use super::error::StreamError;
 use super::layers::APPLICATION_ID;
 use super::log_static::range_rings;
 use super::palette::Rgb;
-use super::recording_file::RecordingFile;
+use super::single_file::SingleFile;
 use super::{archetypes, entity_paths, legend, palette, recording};
 
 /// The timeline: seconds since the first scan.
@@ -35,10 +34,7 @@ const KNOWN: [(&str, Rgb); 4] = [
 ];
 
 /// A recording of a drive in the making.
-pub struct StreamRecording {
-    stream: RecordingStream,
-    file: RecordingFile,
-}
+pub struct StreamRecording(SingleFile);
 
 impl StreamRecording {
     /// Writes `picture`, called `name`, to the file at `path`; the points of its scans are still to come.
@@ -47,32 +43,20 @@ impl StreamRecording {
     ///
     /// [`StreamError`] if the file cannot be written, or Rerun refuses.
     pub fn begin(path: &Path, name: &str, picture: &StreamPicture) -> Result<Self, StreamError> {
-        // Where the variable RERUN turns recordings off, Rerun itself would leave an empty file.
-        if !rerun::decide_logging_enabled(true) {
-            return Err(StreamError::SwitchedOff);
-        }
-        let file = RecordingFile::create(path)?;
-        let sinks: Vec<Box<dyn LogSink>> = vec![Box::new(file.clone())];
-        let not_begun = |error: rerun::RecordingStreamError| StreamError::Log {
-            entity: "the recording".to_owned(),
-            reason: error.to_string(),
-        };
-        let builder = RecordingStreamBuilder::new(APPLICATION_ID).recording_name(name);
-        let stream = builder.set_sinks(sinks).map_err(not_begun)?;
-        stream.set_log_tick_enabled(false);
-        stream.set_log_time_enabled(false);
+        let file = SingleFile::begin(path, name)?;
+        let stream = &file.stream;
         let titles: Vec<(String, String)> = picture
             .detectors
             .iter()
             .map(|(name, latency_ms)| (name.clone(), format!("{name}: {latency_ms:.0} ms a scan")))
             .collect();
-        send_stream_blueprint(&stream, APPLICATION_ID, &titles, TIMELINE)?;
-        log_lines(&stream, picture)?;
+        send_stream_blueprint(stream, APPLICATION_ID, &titles, TIMELINE)?;
+        log_lines(stream, picture)?;
         for moment in &picture.moments {
-            set_time(&stream, moment.time_us);
-            log_moment(&stream, picture, moment)?;
+            set_time(stream, moment.time_us);
+            log_moment(stream, picture, moment)?;
         }
-        Ok(Self { stream, file })
+        Ok(Self(file))
     }
 
     /// Adds the points of `scan`, which was taken then and there.
@@ -85,13 +69,14 @@ impl StreamRecording {
         (time_us, start_from_sensor): &(i64, Isometry3<f64>),
         scan: &LabeledScan,
     ) -> Result<(), StreamError> {
-        set_time(&self.stream, *time_us);
+        let stream = &self.0.stream;
+        set_time(stream, *time_us);
         let drawn = DrawnPoints::choose(&scan.cloud, PointChoice::for_scans(usize::MAX));
         let rounding = drawn.rounding();
         let positions_m = drawn.indices().map(|it| rounding.position_m(scan.cloud.position_m(it)));
         let points = archetypes::points(positions_m, Radius::new_ui_points(1.1), legend::rgba(palette::GREY));
-        recording::log(&self.stream, entity_paths::STREAM_SCAN, &points)?;
-        recording::log(&self.stream, entity_paths::STREAM_SCAN, &transform(start_from_sensor))
+        recording::log(stream, entity_paths::STREAM_SCAN, &points)?;
+        recording::log(stream, entity_paths::STREAM_SCAN, &transform(start_from_sensor))
     }
 
     /// Completes the file.
@@ -99,13 +84,8 @@ impl StreamRecording {
     /// # Errors
     ///
     /// [`StreamError::Write`] if it cannot be written.
-    pub fn finish(self, path: &Path) -> Result<(), StreamError> {
-        let not_written = |error: &dyn std::fmt::Display| StreamError::Write {
-            path: path.to_owned(),
-            reason: error.to_string(),
-        };
-        self.stream.flush_blocking().map_err(|error| not_written(&error))?;
-        self.file.finish()
+    pub fn finish(self) -> Result<(), StreamError> {
+        self.0.finish()
     }
 }
 

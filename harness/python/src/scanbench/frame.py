@@ -96,3 +96,40 @@ def _objects(values: Sequence[Any]) -> NDArray[Any]:
             return np.array(values)
         return np.array([np.nan if value is None else float(value) for value in values])
     return np.array([*values, None], dtype=object)[:-1]
+
+
+class Tables:
+    """Tables with names. Each is read once it is asked for, and kept."""
+
+    def __init__(self) -> None:
+        self.backend: Backend = installed()
+        self._frames: dict[tuple[str, Backend], Any] = {}
+
+    @property
+    def scans(self) -> Any:
+        """Counts and latency, a row for each scan, detector and task."""
+        return self.frame("scans")
+
+    @property
+    def matches(self) -> Any:
+        """A row for each pair, and for each missed, false, ignored or unknowable object, with boxes and the reason."""
+        return self.frame("matches")
+
+    @property
+    def report(self) -> Any:
+        """Every number, a row for each data set, task, detector, slice and metric; those of all data sets are of `overall`."""
+        return self.frame("report")
+
+    def frame(self, name: str, backend: Backend | None = None) -> Any:
+        """A table as a data frame, by its name.
+
+        `backend` is pandas or polars, whichever is installed first, or NumPy: a dictionary of columns. Raises ScanbenchError if there
+        is no such table.
+        """
+        key = (name, backend or self.backend)
+        if key not in self._frames:
+            self._frames[key] = frame(self._columns(name), key[1])
+        return self._frames[key]
+
+    def _columns(self, name: str) -> dict[str, NDArray[Any]]:
+        raise NotImplementedError

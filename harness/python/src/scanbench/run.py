@@ -13,7 +13,7 @@ from typing import Any, Literal
 
 from scanbench.configuration_file import section
 from scanbench.detector import Detector
-from scanbench.frame import Backend, columns_of_csv, columns_of_rows, frame, installed
+from scanbench.frame import Tables, columns_of_csv, columns_of_rows
 from scanbench.nesting import refuse_nesting
 from scanbench.notebook import page_of
 from scanbench.program import ScanbenchError, call
@@ -21,13 +21,12 @@ from scanbench.program import ScanbenchError, call
 DetectorLike = Detector | Callable[..., Any] | str
 
 
-class Run:
-    """A run directory. Each of its tables is read once it is asked for, and kept."""
+class Run(Tables):
+    """A run directory. Its tables are `scans`, `matches`, `report`, `protocols`, and its other CSV files, such as `precision_recall`."""
 
     def __init__(self, path: Path) -> None:
+        super().__init__()
         self.path = path
-        self.backend: Backend = installed()
-        self._frames: dict[tuple[str, Backend], Any] = {}
 
     @classmethod
     def open(cls, path: str | os.PathLike[str]) -> Run:
@@ -38,35 +37,10 @@ class Run:
         return cls(directory)
 
     @property
-    def scans(self) -> Any:
-        """Counts and latency, a row for each scan, detector and task."""
-        return self.frame("scans")
-
-    @property
-    def matches(self) -> Any:
-        """A row for each pair, and for each missed, false, ignored or unknowable object, with boxes and the reason."""
-        return self.frame("matches")
-
-    @property
-    def report(self) -> Any:
-        """Every number, a row for each data set, task, detector, slice and metric; those of all data sets are of `overall`."""
-        return self.frame("report")
-
-    @property
     def manifest(self) -> dict[str, Any]:
         """Command line, parameters, seeds, checksums, versions, processor."""
         manifest: dict[str, Any] = json.loads((self.path / "manifest.json").read_text())
         return manifest
-
-    def frame(self, name: str, backend: Backend | None = None) -> Any:
-        """A table as a data frame: `scans`, `matches`, `report`, `protocols`, or another CSV file of the run, such as `precision_recall`.
-
-        Raises ScanbenchError if the run has no such table. `backend` is pandas or polars, whichever is installed first, or NumPy: a dictionary of columns.
-        """
-        key = (name, backend or self.backend)
-        if key not in self._frames:
-            self._frames[key] = frame(self._columns(name), key[1])
-        return self._frames[key]
 
     def _columns(self, name: str) -> dict[str, Any]:
         table = self.path / f"{name}.csv"

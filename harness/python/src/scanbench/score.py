@@ -11,8 +11,8 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from scanbench.detections import Boxes
-from scanbench.frame import Backend, columns_of_csv, columns_of_rows, frame, installed
-from scanbench.program import call
+from scanbench.frame import Tables, columns_of_csv, columns_of_rows
+from scanbench.program import ScanbenchError, call
 
 Criterion = Literal["centre", "bev-iou", "iou-3d", "points"]
 
@@ -49,35 +49,19 @@ class Annotations:
         return np.asarray(self.rows, dtype="<f4")
 
 
-class Score:
-    """Numbers of one detector, and the rows that they are made of."""
+class Score(Tables):
+    """Numbers of one detector, and the rows that they are made of: the tables `report`, `scans` and `matches`."""
 
     def __init__(self, answer: Mapping[str, Any]) -> None:
+        super().__init__()
         self._answer = answer
-        self.backend: Backend = installed()
 
-    @property
-    def report(self) -> Any:
-        """Every number with its interval, a row for each task, slice and metric."""
-        return self.frame("report")
-
-    @property
-    def scans(self) -> Any:
-        """Counts, a row for each scan and task."""
-        return self.frame("scans")
-
-    @property
-    def matches(self) -> Any:
-        """A row for each pair, and for each missed, false, ignored or unknowable object."""
-        return self.frame("matches")
-
-    def frame(self, name: Literal["report", "scans", "matches"], backend: Backend | None = None) -> Any:
-        """A table as a data frame of pandas or polars, whichever is installed first, or of NumPy: a dictionary of columns."""
+    def _columns(self, name: str) -> dict[str, NDArray[Any]]:
         if name == "report":
-            columns = columns_of_rows(self._answer["report"]["rows"])
-        else:
-            columns = columns_of_csv(self._answer[name])
-        return frame(columns, backend or self.backend)
+            return columns_of_rows(self._answer["report"]["rows"])
+        if name not in ("scans", "matches"):
+            raise ScanbenchError(f"a score has no table {name!r}; it has matches, report, scans")
+        return columns_of_csv(self._answer[name])
 
     def value(self, metric: str, task: str = "vehicles", part: str = "all") -> float | None:
         """A number of the report, such as `f_rate`, `recall` or `ap_101_points`; None where it is undefined.

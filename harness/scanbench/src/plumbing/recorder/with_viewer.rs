@@ -138,7 +138,7 @@ pub fn record_stream(
     for (scan_idx, taken) in picture.scans.iter().enumerate() {
         recording.add_scan(taken, &scan_of(scan_idx)?)?;
     }
-    Ok(recording.finish(path)?)
+    Ok(recording.finish()?)
 }
 
 /// The version of Rerun that recordings are made with.
