@@ -169,7 +169,7 @@ pub fn streaming(arguments: &StreamingArgs) -> Result<(), Failure> {
     let elsewhere = arguments.latencies_of.as_deref().map(open_run).transpose()?;
     let choice = Choice::of(arguments, &run, elsewhere.as_ref().map(|it| &it.scans[..]))?;
     let drive_idx = choice.recorded_drive(arguments)?;
-    let (streamed, caveats) = choice.streamed(arguments)?;
+    let (streamed, caveats) = choice.streamed(arguments, elsewhere.as_ref().unwrap_or(&run))?;
     let notes = choice.notes(arguments);
     let criterion = criterion_in_words(arguments.criterion.criterion());
     let in_full = StreamingTable {
@@ -277,8 +277,12 @@ impl<'a> Choice<'a> {
         }
     }
 
-    /// The numbers of all drives, and what a reader has to know before them.
-    fn streamed(&self, arguments: &StreamingArgs) -> Result<(Vec<Streamed>, Vec<String>), Failure> {
+    /// The numbers of all drives, and what a reader has to know before them; the times are those of `timed`.
+    fn streamed(
+        &self,
+        arguments: &StreamingArgs,
+        timed: &RunArchive,
+    ) -> Result<(Vec<Streamed>, Vec<String>), Failure> {
         let drives = &self.stream.drives;
         let n_scans = drives.iter().map(|it| it.scans.len()).sum();
         let progress = progress_over_scans(n_scans, "streaming");
@@ -299,7 +303,7 @@ impl<'a> Choice<'a> {
             let reason = "no object that counts can be followed: it needs boxes and tracks".to_owned();
             return Err(NothingEvaluated { reason }.into());
         }
-        let mut caveats = self.caveats(arguments);
+        let mut caveats = self.caveats(arguments, timed);
         let [n_unfollowed, n_labels] = result.n_unfollowed;
         if n_unfollowed > 0 {
             caveats.push(format!(
@@ -311,11 +315,10 @@ impl<'a> Choice<'a> {
     }
 
     /// What decides whether the numbers mean anything.
-    fn caveats(&self, arguments: &StreamingArgs) -> Vec<String> {
+    fn caveats(&self, arguments: &StreamingArgs, timed: &RunArchive) -> Vec<String> {
         let mut caveats = self.stream.notes.clone();
-        let RunArchive { manifest, report, .. } = self.stream.run;
-        if arguments.latencies.len() < self.stream.detectors.len() && arguments.latencies_of.is_none() {
-            caveats.extend(times_doubts(manifest, report));
+        if arguments.latencies.len() < self.stream.detectors.len() {
+            caveats.extend(times_doubts(&timed.manifest, &timed.report));
         }
         if self.latencies.n_filled_in > 0 {
             caveats.push(format!(
