@@ -91,6 +91,11 @@ pub struct BoxDetails {
     pub score: Option<f32>,
     /// Details of the seen part of the vehicle. `None` if the box is that of the seen part.
     pub seen: Option<SeenOfVehicle>,
+    /// Velocity over ground along x and y of the scan's frame, in metres per second, finite. `None` if the detector does not
+    /// know it; the detectors of this project do not.
+    pub velocity_m_per_s: Option<[f32; 2]>,
+    /// Number of the object in all scans of its drive; `None` if the detector does not follow it.
+    pub track: Option<u32>,
 }
 
 /// One detected object, borrowed from [`Detections`].

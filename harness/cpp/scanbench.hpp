@@ -1,4 +1,4 @@
-// A LiDAR object detector in C++17 as a detector of scanbench: docs/protocol.md, version 1. No dependencies but POSIX.
+// A LiDAR object detector in C++17 as a detector of scanbench: docs/protocol.md, versions 1 and 2. No dependencies but POSIX.
 //
 //     int main() {
 //         return scanbench::serve("mine", [](const scanbench::Configuration& configuration) {
@@ -166,6 +166,14 @@ struct Configuration {
     std::optional<double> sensor_height_m;
     std::size_t threads = 1;
     Parameters parameters;
+
+    // Asks for so many scans before each one (Cloud::earlier), and for the scans of a drive one after the other, each once.
+    void look_back(std::size_t n_earlier_scans, bool scans_in_order = false) const {
+        earlier_scans = n_earlier_scans;
+        in_order = scans_in_order;
+    }
+    mutable std::size_t earlier_scans = 0;
+    mutable bool in_order = false;
 };
 
 // The points of a scan as columns, in the sensor frame: x forward, y left, z up. Valid until the detector returns.
@@ -181,12 +189,26 @@ struct Cloud {
     const float* intensity = nullptr;
     const std::uint16_t* ring = nullptr;
     const float* time_offset_s = nullptr;
+    // Pose of the sensor in a frame that rests: three rows of four numbers, the turn and the position.
+    std::optional<std::array<double, 12>> world_from_sensor;
+    // The scans before this one, the latest first, in the frame of this one: see Configuration::look_back.
+    std::vector<Cloud> earlier;
+    // Whether a detector that wants scans in order has to forget what it knows.
+    bool begins_drive = false;
 };
 
 // An upright box: centre, length along the heading, width, height, and the heading counter-clockwise from x.
 struct Box {
     float x_m, y_m, z_m, length_m, width_m, height_m, yaw_rad;
 };
+
+// Velocity over ground along x and y of the scan, in metres per second; NaN where it is not known.
+struct Velocity {
+    float x_m_per_s, y_m_per_s;
+};
+
+// The track of what is on none.
+constexpr std::uint32_t NO_TRACK = std::numeric_limits<std::uint32_t>::max();
 
 struct Stage {
     std::string name;
@@ -205,6 +227,8 @@ struct Detections {
     std::vector<Box> boxes;
     std::vector<float> scores;                         // empty, or one for each detection
     std::vector<std::optional<std::string>> classes;   // empty, or one for each detection
+    std::vector<Velocity> velocities;                  // empty, or one for each detection
+    std::vector<std::uint32_t> tracks;                 // empty, or one for each detection
     std::vector<Stage> stages;
     std::vector<Product> products;
     bool has_clusters = true;  // false: boxes alone
@@ -542,6 +566,18 @@ inline std::size_t check(const Detections& found, std::size_t n_points) {
     if (!found.classes.empty() && found.classes.size() != n_detections) {
         throw Error(number(found.classes.size()) + " classes for " + number(n_detections) + " detections");
     }
+    if (!found.velocities.empty() && found.velocities.size() != n_detections) {
+        throw Error(number(found.velocities.size()) + " velocities for " + number(n_detections) + " detections");
+    }
+    for (const auto& [x_m_per_s, y_m_per_s] : found.velocities) {
+        const bool is_known = std::abs(x_m_per_s) <= 1000.0F && std::abs(y_m_per_s) <= 1000.0F;
+        if (!is_known && !(std::isnan(x_m_per_s) && std::isnan(y_m_per_s))) {
+            throw Error("a velocity is neither known nor NaN, or above 1000 m/s");
+        }
+    }
+    if (!found.tracks.empty() && found.tracks.size() != n_detections) {
+        throw Error(number(found.tracks.size()) + " tracks for " + number(n_detections) + " detections");
+    }
     for (const auto& product : found.products) {
         check_name(product.name);
         if (product.labels.size() != n_points) throw Error("product `" + product.name + "` has another length than the scan");
@@ -562,6 +598,8 @@ inline std::string result_line(const Detections& found, std::uint64_t number, st
     if (found.has_clusters) line += ",\"clusters\":true";
     if (!found.boxes.empty()) line += ",\"n_boxes\":" + std::to_string(found.boxes.size());
     if (!found.scores.empty()) line += ",\"scores\":true";
+    if (!found.velocities.empty()) line += ",\"velocities\":true";
+    if (!found.tracks.empty()) line += ",\"tracks\":true";
     if (!found.classes.empty()) {
         line += ",\"classes\":" + list(found.classes, [](const std::optional<std::string>& name) {
                     return name ? Json::quoted(*name) : std::string("null");
@@ -605,9 +643,14 @@ private:
     std::string hello(const Json& message) {
         if (message.count("protocol") != 1) {
             has_ended = true;
-            throw Error("protocol " + std::to_string(message.count("protocol")) + " is not known, only 1");
+            throw Error("protocol " + std::to_string(message.count("protocol")) + " is not known, only 1 and 2");
         }
-        std::string line = "{\"message\":\"hello\",\"protocol\":1,\"name\":" + Json::quoted(name_);
+        protocol_ = 1;
+        if (const Json* all = message.field("protocols")) {
+            for (const Json& it : all->array) protocol_ = it.number == 2.0 ? 2 : protocol_;
+        }
+        std::string line =
+            "{\"message\":\"hello\",\"protocol\":" + std::to_string(protocol_) + ",\"name\":" + Json::quoted(name_);
         if (!version_.empty()) line += ",\"version\":" + Json::quoted(version_);
         return line + "}";
     }
@@ -623,11 +666,15 @@ private:
             const Configuration configuration = configuration_of(message);
             detect = configure_(configuration);
             configuration.parameters.refuse_unknown();
+            wishes_.clear();
+            if (configuration.earlier_scans > 0) wishes_ += ",\"earlier_scans\":" + std::to_string(configuration.earlier_scans);
+            if (configuration.in_order) wishes_ += ",\"in_order\":true";
+            if (!wishes_.empty() && protocol_ < 2) throw Error(name_ + " looks back at its drive, which this scanbench does not know");
         }
         // Else it is for larger memory alone: the detector keeps its state.
         detect_ = std::move(detect);
         configuration_ = message;
-        return "{\"message\":\"configured\"}";
+        return "{\"message\":\"configured\"" + wishes_ + "}";
     }
     static bool is_same(const Json& message, const Json& last) {
         for (const char* name : {"dataset", "sensor", "sensor_height_m", "parameters", "threads"}) {
@@ -650,17 +697,38 @@ private:
     bool scan(const Pipe& pipe, const Json& message) {
         if (!detect_) throw Error("a scan before `configure`");
         const Cloud cloud = cloud_of(message);
-        const Detections found = detect_(cloud);
+        Detections found = detect_(cloud);
         check(found, cloud.n_points);
-        std::vector<std::string_view> payload = {bytes(found.clusters), bytes(found.boxes), bytes(found.scores)};
+        if (protocol_ < 2) {
+            found.velocities.clear();
+            found.tracks.clear();
+        }
+        std::vector<std::string_view> payload = {
+            bytes(found.clusters), bytes(found.boxes), bytes(found.scores), bytes(found.velocities), bytes(found.tracks)};
         for (const auto& product : found.products) payload.push_back(bytes(product.labels));
         std::size_t n_bytes = 0;
         for (const auto& part : payload) n_bytes += part.size();
         return pipe.write(result_line(found, cloud.number, n_bytes), payload);
     }
     Cloud cloud_of(const Json& message) const {
-        Cloud cloud;
+        Cloud cloud = columns_of(message);
         cloud.number = message.count("number");
+        if (protocol_ < 2) return cloud;
+        const Json* begins_drive = message.field("begins_drive");
+        cloud.begins_drive = begins_drive != nullptr && begins_drive->boolean;
+        const Json* pose = message.field("world_from_sensor");
+        if (pose != nullptr && pose->array.size() == 12) {
+            cloud.world_from_sensor.emplace();
+            for (std::size_t idx = 0; idx < 12; ++idx) (*cloud.world_from_sensor)[idx] = pose->array[idx].number;
+        }
+        if (const Json* earlier = message.field("earlier")) {
+            for (const Json& it : earlier->array) cloud.earlier.push_back(columns_of(it));
+            for (Cloud& it : cloud.earlier) it.number = cloud.number;
+        }
+        return cloud;
+    }
+    Cloud columns_of(const Json& message) const {
+        Cloud cloud;
         cloud.name = message.text("name").value_or("");
         const Json* time_s = message.field("time_s");
         if (time_s != nullptr) cloud.time_s = time_s->number;
@@ -681,7 +749,8 @@ private:
         return cloud;
     }
 
-    std::string name_, version_;
+    std::string name_, version_, wishes_;
+    std::uint64_t protocol_ = 1;
     Configure configure_;
     Detect detect_;
     Json configuration_;  // the message

@@ -107,7 +107,7 @@ impl WholeBox {
     /// the score is that of the box alone.
     pub fn details(&self, score: Option<f32>) -> BoxDetails {
         let score = score.map_or(self.right_log_odds, |it| both_log_odds(it, self.right_log_odds));
-        BoxDetails { score: Some(score), seen: Some(self.seen) }
+        BoxDetails { score: Some(score), seen: Some(self.seen), ..BoxDetails::default() }
     }
 }
 

@@ -149,5 +149,25 @@ def below_zero(points: Points) -> Labels:
     return np.full(len(points), -1)
 
 
+@scanbench.detector(earlier_scans="n_back", in_order=True)
+class LookingBack:
+    """Its boxes stand where the first points of this scan and of those before it are; they move as these do."""
+
+    def __init__(self, n_back: int = 2) -> None:
+        self.n_scans = 0
+
+    def __call__(self, cloud: Cloud) -> Boxes:
+        self.n_scans = 1 if cloud.begins_drive else self.n_scans + 1
+        clouds = [cloud, *cloud.earlier]
+        moved = np.array([[it.x_m[0] - cloud.x_m[0], 0] for it in clouds])
+        moved /= np.array([[it.time_s - cloud.time_s or np.nan] for it in clouds])
+        pose = np.eye(4) if cloud.world_from_sensor is None else cloud.world_from_sensor
+        centers = [[it.x_m[0], self.n_scans, pose[0, 3]] for it in clouds]
+        tracks = np.arange(len(clouds)) - 1
+        return Boxes.of(
+            centers, [1, 1, 1], velocities=np.where(np.isnan(moved).any(axis=1)[:, None], np.nan, moved), tracks=tracks
+        )
+
+
 if __name__ == "__main__":
     squares.serve()

@@ -36,6 +36,7 @@ MAX_CENTER_M = 10_000.0
 CONTROL = re.compile("[\x00-\x1f\x7f-\x9f]")
 COLUMN_TYPES = {"x_m": "f32", "y_m": "f32", "z_m": "f32", "intensity": "f32", "ring": "u16", "time_offset_s": "f32"}
 BYTES_OF_TYPE = {"f32": 4, "u16": 2}
+BYTES_OF_EACH = {"scores": 4, "velocities": 8, "tracks": 4}
 
 
 class DetectorFailure(Exception):
@@ -68,6 +69,8 @@ class Answer:
     classes: list[str | None]
     stages: list[tuple[str, float]]
     products: dict[str, NDArray[np.uint8]]
+    velocities: NDArray[np.float32] | None = None
+    tracks: NDArray[np.uint32] | None = None
     ms: float = 0.0
     cpu_ms: float = 0.0
 
@@ -137,12 +140,13 @@ class Host:
         except BrokenPipeError as error:
             raise DetectorFailure(f"it has ended: {self.last_words()}") from error
 
-    def hello(self, protocol: int = 1) -> dict[str, Any]:
+    def hello(self, protocol: int = 1, protocols: Sequence[int] = ()) -> dict[str, Any]:
         deadline_s = self.start_s + self.limits.start_s
-        self.send({"message": "hello", "protocol": protocol, "program": "reference host"})
+        both = {"protocols": list(protocols)} if protocols else {}
+        self.send({"message": "hello", "protocol": protocol, **both, "program": "reference host"})
         answer = self._line("hello", deadline_s)
         self._no_payload(answer)
-        if answer.get("protocol") != 1:
+        if answer.get("protocol") not in (protocols or [1]):
             raise DetectorFailure(f"protocol {answer.get('protocol')!r}")
         if not isinstance(answer.get("name"), str) or not isinstance(answer.get("version", ""), str):
             raise DetectorFailure("`name` or `version` of hello is not a string")
@@ -163,15 +167,32 @@ class Host:
             "shared_memory": str(self.memory_path),
         }
         self.send({**fields, **self.fields})
-        self._no_payload(self._line("configured", time.monotonic() + self.limits.start_s))
+        answer = self._line("configured", time.monotonic() + self.limits.start_s)
+        self._no_payload(answer)
+        self.wishes = (_count(answer, "earlier_scans"), _flag(answer, "in_order"))
 
-    def scan(self, columns: Columns, number: int = 0, name: str = "0000/000000") -> Answer:
+    def scan(
+        self,
+        columns: Columns,
+        number: int = 0,
+        name: str = "0000/000000",
+        earlier: Sequence[Columns] = (),
+        **others: Any,
+    ) -> Answer:
+        """Asks for a scan, with those before it in its frame (version 2), each a tenth of a second before the other."""
         n_points = len(columns["x_m"])
-        if n_points > self.max_points:
-            self.max_points = n_points
+        room = n_points + sum(len(it["x_m"]) + 16 for it in earlier)
+        if room > self.max_points:
+            self.max_points = room
             self.configure()
         message = {"message": "scan", "number": number, "name": name, "time_s": 0.1 * number, "n_points": n_points}
-        message["columns"] = self._write(columns)
+        message["columns"], *before = self._write([columns, *earlier])
+        if earlier:
+            message["earlier"] = [
+                {"name": f"{name} - {n}", "time_s": 0.1 * (number - n), "n_points": len(it["x_m"]), "columns": written}
+                for n, (it, written) in enumerate(zip(earlier, before, strict=True), 1)
+            ]
+        message.update(others)
         limit_s = self.limits.scan_s if self.n_answers else max(self.limits.first_scan_s, self.limits.scan_s)
         cpu_s = self.cpu_s()
         start_s = time.monotonic()
@@ -210,18 +231,21 @@ class Host:
         os.close(descriptor)
         self.memory_path = Path(path)
 
-    def _write(self, columns: Columns) -> list[dict[str, Any]]:
-        described, offset = [], 0
+    def _write(self, scans: Sequence[Columns]) -> list[list[dict[str, Any]]]:
+        all_described, offset = [], 0
         assert self.memory_path
         with open(self.memory_path, "r+b") as file:
-            for name, values in columns.items():
-                kind = COLUMN_TYPES[name]
-                data = np.ascontiguousarray(values, dtype="<f4" if kind == "f32" else "<u2").tobytes()
-                file.seek(offset)
-                file.write(data)
-                described.append({"name": name, "type": kind, "offset": offset})
-                offset += -(-len(data) // 64) * 64
-        return described
+            for columns in scans:
+                described = []
+                for name, values in columns.items():
+                    kind = COLUMN_TYPES[name]
+                    data = np.ascontiguousarray(values, dtype="<f4" if kind == "f32" else "<u2").tobytes()
+                    file.seek(offset)
+                    file.write(data)
+                    described.append({"name": name, "type": kind, "offset": offset})
+                    offset += -(-len(data) // 64) * 64
+                all_described.append(described)
+        return all_described
 
     # What is answered.
 
@@ -275,7 +299,8 @@ class Host:
         line = self._line("result", deadline_s)
         if line.get("number") != number or isinstance(line.get("number"), bool):
             raise DetectorFailure(f"answers scan {line.get('number')!r} instead of {number}")
-        clusters, scores = _flag(line, "clusters"), _flag(line, "scores")
+        clusters = _flag(line, "clusters")
+        of_each = [name for name in ("scores", "velocities", "tracks") if _flag(line, name)]
         n_boxes, n_bytes = _count(line, "n_boxes"), _count(line, "payload_bytes")
         if n_boxes > MAX_BOXES:
             raise DetectorFailure(f"{n_boxes} boxes")
@@ -283,12 +308,12 @@ class Host:
         if len(products) > MAX_PRODUCTS:
             raise DetectorFailure(f"{len(products)} products")
         fixed = (4 * n_points if clusters else 0) + 28 * n_boxes + n_points * len(products)
-        counted_later = clusters and scores and not n_boxes
-        most = fixed + 4 * n_points if counted_later else fixed + (4 * n_boxes if scores else 0)
+        counted_later = clusters and of_each and not n_boxes
+        most = fixed + sum(BYTES_OF_EACH[name] for name in of_each) * (n_points if counted_later else n_boxes)
         if not fixed <= n_bytes <= most or (not counted_later and n_bytes != most):
             raise DetectorFailure(f"payload_bytes is {n_bytes}, has to be {most}")
         payload = self._payload(n_bytes, deadline_s)
-        return _decode(line, payload, n_points, clusters, n_boxes, scores, products)
+        return _decode(line, payload, n_points, clusters, n_boxes, of_each, products)
 
     def _payload(self, n_bytes: int, deadline_s: float) -> bytes:
         while len(self.buffered) < n_bytes:
@@ -324,7 +349,13 @@ class Host:
 
 
 def _decode(
-    line: dict[str, Any], payload: bytes, n_points: int, clusters: bool, n_boxes: int, scores: bool, products: list[str]
+    line: dict[str, Any],
+    payload: bytes,
+    n_points: int,
+    clusters: bool,
+    n_boxes: int,
+    of_each: list[str],
+    products: list[str],
 ) -> Answer:
     at = 4 * n_points if clusters else 0
     ids = np.frombuffer(payload, "<u4", n_points) if clusters else None
@@ -335,20 +366,25 @@ def _decode(
         raise DetectorFailure(f"{n_boxes} boxes, the largest id is {int(ids.max(initial=0))}")
     if ids is not None and not n_boxes:
         n_detections = int(np.count_nonzero(np.unique(ids)))
-    values = None
-    if scores:
-        if len(payload) != at + 4 * n_detections + n_points * len(products):
-            raise DetectorFailure(f"payload_bytes is {len(payload)} for {n_detections} detections")
-        values = np.frombuffer(payload, "<f4", n_detections, at)
-        at += values.nbytes
-        if not np.isfinite(values).all():
-            raise DetectorFailure("a score is NaN or infinite")
+    n_bytes_of_each = sum(BYTES_OF_EACH[name] for name in of_each)
+    if len(payload) != at + n_bytes_of_each * n_detections + n_points * len(products):
+        raise DetectorFailure(f"payload_bytes is {len(payload)} for {n_detections} detections")
+    values: dict[str, Any] = {}
+    for name in of_each:
+        n_numbers = n_detections * BYTES_OF_EACH[name] // 4
+        values[name] = np.frombuffer(payload, "<u4" if name == "tracks" else "<f4", n_numbers, at)
+        at += values[name].nbytes
+    if not np.isfinite(values.get("scores", [])).all():
+        raise DetectorFailure("a score is NaN or infinite")
+    velocities = values["velocities"].reshape(-1, 2) if "velocities" in values else None
     _check_boxes(boxes)
     drawn = {}
     for name in products:
         drawn[name] = np.frombuffer(payload, np.uint8, n_points, at)
         at += n_points
-    return Answer(line["number"], n_detections, ids, boxes, values, _classes(line, n_detections), _stages(line), drawn)
+    scores, classes = values.get("scores"), _classes(line, n_detections)
+    motion = (velocities, values.get("tracks"))
+    return Answer(line["number"], n_detections, ids, boxes, scores, classes, _stages(line), drawn, *motion)
 
 
 def _check_boxes(boxes: NDArray[np.float32]) -> None:

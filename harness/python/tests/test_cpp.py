@@ -15,6 +15,7 @@ from typing import Any
 import numpy as np
 import pytest
 from reference_host import Host, ReportedFailure, columns_of
+from test_protocol import look_back
 
 CPP = Path(__file__).parents[2] / "cpp"
 COMPILER = shutil.which(os.environ.get("CXX", "c++"))
@@ -111,6 +112,15 @@ def test_after_an_error_to_a_later_configure_another_is_waited_for(drawn: str) -
         assert it.quit() == 0
 
 
+def test_it_looks_back(drawn: str) -> None:
+    with Host([drawn], {"how": "back", "n_back": 2}, max_points=100) as it:
+        look_back(it)
+    with Host([drawn], {"how": "back"}) as it:
+        assert it.hello()["protocol"] == 1
+        with pytest.raises(ReportedFailure, match="looks back at its drive, which this scanbench does not know"):
+            it.configure()
+
+
 def test_both_and_everything(drawn: str) -> None:
     with begun(drawn, how="both") as it:
         assert it.scan(columns_of(points())).n_detections == 9
@@ -127,6 +137,8 @@ def test_both_and_everything(drawn: str) -> None:
         ("short", "999 cluster ids for 1000 points"),
         ("nan", "box 3 is not finite"),
         ("scores", "1 scores for 2 detections"),
+        ("speed", "a velocity is neither known nor NaN, or above 1000 m/s"),
+        ("tracks", "1 tracks for 2 detections"),
         ("product", "product `ground` has another length"),
         ("products", "33 products, more than 32"),
         ("name", "`a\n` is no name of a stage or product"),
@@ -144,7 +156,7 @@ def test_what_is_wrong_is_reported_and_the_next_scan_is_answered(drawn: str, how
 @pytest.mark.parametrize(
     ("parameters", "text"),
     [
-        ({"shift": 1}, "unknown parameter `shift`; there are how n_scans really shift_m"),
+        ({"shift": 1}, "unknown parameter `shift`; there are how n_back n_scans really shift_m"),
         ({"n_scans": 1.5}, "parameter `n_scans` is not an integer"),
         ({"shift_m": "1"}, "parameter `shift_m` is not a number"),
         ({"really": 1}, "parameter `really` is not true or false"),
@@ -191,8 +203,8 @@ def test_a_line_that_is_no_message_is_an_error_and_the_end(drawn: str, line: byt
 
 def test_another_protocol_an_unknown_message_and_a_column_beyond_the_memory(drawn: str) -> None:
     with Host([drawn]) as it:
-        with pytest.raises(ReportedFailure, match="protocol 2 is not known"):
-            it.hello(protocol=2)
+        with pytest.raises(ReportedFailure, match="protocol 3 is not known"):
+            it.hello(protocol=3)
         assert it._wait() == 1
     with begun(drawn) as it:
         it.send({"message": "dance"})

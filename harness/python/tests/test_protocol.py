@@ -69,6 +69,50 @@ def test_a_file_serves_itself_and_is_named_by_its_path() -> None:
             assert it.quit() == 0
 
 
+def look_back(it: Host) -> None:
+    """A detector that looks back: what it gets in version 2, and what it answers."""
+    assert it.hello(protocols=[1, 2])["protocol"] == 2
+    it.configure()
+    assert it.wishes == (2, True)
+    scans = [columns_of(points(n)) for n in (50, 3000, 70)]
+    for columns, first_m in zip(scans, (10, 9, 7), strict=True):
+        columns["x_m"][0] = first_m
+    pose = [1, 0, 0, 5, 0, 1, 0, 6, 0, 0, 1, 7]
+    answer = it.scan(scans[0], 7, begins_drive=True, earlier=scans[1:], world_from_sensor=pose)
+    assert answer.boxes[:, :3].tolist() == [[10, 1, 5], [9, 1, 5], [7, 1, 5]]
+    assert answer.velocities is not None and answer.tracks is not None
+    assert np.allclose(answer.velocities, [[np.nan] * 2, [10.0, 0.0], [15.0, 0.0]], equal_nan=True)
+    assert answer.tracks.tolist() == [2**32 - 1, 0, 1]
+    # At the beginning of a drive there are fewer, and the state outlives larger memory.
+    assert it.scan(scans[1], 8).boxes[:, :3].tolist() == [[9, 2, 0]]
+    it.configure(parameters={**it.parameters, "n_back": 0})
+    assert it.wishes == (0, True)
+    assert it.quit() == 0
+
+
+def test_a_detector_that_looks_back() -> None:
+    with host("LookingBack", max_points=100) as it:
+        look_back(it)
+    # An older program has no scans before a scan.
+    with host("LookingBack") as it:
+        assert it.hello()["protocol"] == 1
+        with pytest.raises(ReportedFailure, match="earlier_scans, in_order, which this scanbench does not know"):
+            it.configure()
+
+
+@pytest.mark.parametrize("n_back", [-1, True, 1.5])
+def test_wrong_numbers_of_scans_are_refused(n_back: Any) -> None:
+    with host("LookingBack", parameters={"n_back": n_back}) as it:
+        it.hello(protocols=[1, 2])
+        with pytest.raises(ReportedFailure, match="n_back|looks back at"):
+            it.configure()
+
+
+def test_who_looks_back_wants_clouds() -> None:
+    with pytest.raises(TypeError, match="annotated Cloud"):
+        scanbench.detector(earlier_scans=1)(lambda points: points)
+
+
 def test_a_cloud_has_the_columns_that_there_are() -> None:
     columns: dict[str, NDArray[Any]] = dict(columns_of(points(101)))
     del columns["intensity"]
@@ -342,8 +386,8 @@ def test_it_ends_at_once_although_something_clings(tmp_path: Path) -> None:
 
 def test_another_protocol_is_refused() -> None:
     with host("squares") as it:
-        with pytest.raises(ReportedFailure, match="protocol 2 is not known, only 1"):
-            it.hello(protocol=2)
+        with pytest.raises(ReportedFailure, match="protocol 3 is not known"):
+            it.hello(protocol=3)
         assert it._wait() == 1
 
 

@@ -6,6 +6,7 @@ use evaluation::matching::mistake::Evidence;
 use evaluation::run::compared_detector::ComparedDetector;
 use evaluation::run::detector_list::ChosenDetector;
 use evaluation::run::running_detector::RunningDetector;
+use evaluation::run::scan_in_drive::ScanInDrive;
 use evaluation::run::side_by_side::{DetectionTimes, DetectorScan};
 use evaluation::sweep::quality_pass::SweptDataset;
 use evaluation::sweep::sweep_plan::SweepPlan;
@@ -42,7 +43,9 @@ pub fn record_sweep(
     scores: &SweepScores,
 ) -> Result<(), RecordingError> {
     let description = swept.dataset.description();
-    let scan = swept.dataset.read_scan(swept.scan_indices[swept.scan_indices.len() / 2])?;
+    let scan_idx = swept.scan_indices[swept.scan_indices.len() / 2];
+    let scan = swept.dataset.read_scan(scan_idx)?;
+    let asked = ScanInDrive::anywhere(&scan, 0.0, swept.dataset, scan_idx);
     let steps = Steps::of(&plan.swept);
     let shown_task = if description.annotated.covers(Task::Objects) { Task::Objects } else { Task::Vehicles };
     let options = StreamOptions {
@@ -87,7 +90,7 @@ pub fn record_sweep(
             let detector = compared_detector.begin(description);
             let of_detector = there.iter().filter(|it| it.subject.detector == compared_detector.name);
             let f_rates = of_detector.map(|it| it.counts.drawn(Counts::f_rate));
-            look_again(&mut stream, &scan, description, detector, &config.matching, f_rates)?;
+            look_again(&mut stream, &asked, description, detector, &config.matching, f_rates)?;
         }
     }
     stream.finish()?;
@@ -97,16 +100,16 @@ pub fn record_sweep(
 /// Logs the results of `detector` on the scan of a data set, with its F-rates on all scans, in the order of the tasks.
 fn look_again(
     stream: &mut Stream,
-    scan: &LabeledScan,
+    asked: &ScanInDrive<'_>,
     dataset: &DatasetDescription,
     mut detector: Box<dyn RunningDetector>,
     matching: &MatchingParams,
     f_rates: impl Iterator<Item = Option<f64>>,
 ) -> Result<(), RecordingError> {
-    let mut output = DetectorOutput::default();
+    let (scan, mut output) = (asked.scan, DetectorOutput::default());
     // Lets its buffers grow to their size before the time is taken.
-    detector.detect(scan, 0.0, &mut output)?;
-    let latency = detector.detect(scan, 0.0, &mut output)?.wall;
+    detector.detect(asked, &mut output)?;
+    let latency = detector.detect(asked, &mut output)?.wall;
     let judge = |&task| assign(scan, &output.detections, task, &dataset.annotated, matching);
     let assignments = Task::ALL.iter().map(judge).collect();
     let times = DetectionTimes { first: latency, least: latency, ..DetectionTimes::default() };

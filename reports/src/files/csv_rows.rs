@@ -15,7 +15,13 @@ use crate::files::whole_file::WholeFile;
 pub const MOST_OF_LINE: u64 = 1 << 20;
 
 /// Columns that files of earlier programs lack; their values are empty there.
-const ADDED_LATER: [&str; 2] = ["instructions", "peak_bytes"];
+const ADDED_LATER: [&str; 5] = [
+    "instructions",
+    "peak_bytes",
+    "detection_velocity_x_m_per_s",
+    "detection_velocity_y_m_per_s",
+    "detection_track",
+];
 
 /// A row of a CSV file.
 pub trait CsvRow: Serialize + DeserializeOwned {

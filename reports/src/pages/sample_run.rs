@@ -7,7 +7,7 @@ use tempfile::TempDir;
 use crate::files::csv_rows::{CsvRow, to_csv_bytes};
 use crate::numbers::run_report::{MetricRow, RunReport, Subject};
 use crate::rows::counts::Counts;
-use crate::rows::match_outcome::{AnnotationFacts, BoxFacts, DetectionFacts, MatchOutcome};
+use crate::rows::match_outcome::{AnnotationFacts, BoxFacts, DetectionFacts, MatchOutcome, MotionFacts};
 use crate::rows::match_row::MatchRow;
 use crate::rows::scan_row::{ScanNumbers, ScanOutcome, ScanRow};
 use crate::run_folder::manifest::{DatasetEntry, Manifest};
@@ -201,7 +201,14 @@ fn box_at(id: u64) -> BoxFacts {
 
 fn detection(id: u64) -> DetectionFacts {
     let class = DetectionClass::Vehicle;
-    DetectionFacts { id, class, score: Some(1.0 - id as f32 / 20.0), n_points: 90, bounding_box: box_at(id) }
+    DetectionFacts {
+        id,
+        class,
+        score: Some(1.0 - id as f32 / 20.0),
+        n_points: 90,
+        bounding_box: box_at(id),
+        motion: MotionFacts::default(),
+    }
 }
 
 fn write_rows<Row: CsvRow>(path: &Path, rows: &[Row]) {

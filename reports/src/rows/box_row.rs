@@ -69,7 +69,7 @@ impl BoxRow {
 mod tests {
     use super::*;
     use crate::files::csv_rows::tests::csv_text;
-    use crate::rows::match_outcome::BoxFacts;
+    use crate::rows::match_outcome::{BoxFacts, MotionFacts};
 
     #[test]
     fn a_row_has_units_and_an_empty_score_where_there_is_none() {
@@ -84,6 +84,7 @@ mod tests {
             score,
             n_points: 120,
             bounding_box,
+            motion: MotionFacts::default(),
         };
         let sides = |it: &[&'static str]| BoxDetailFacts {
             score: Some(1.25),

@@ -133,6 +133,17 @@ pub struct DetectionFacts {
     pub n_points: u64,
     /// Its box.
     pub bounding_box: BoxFacts,
+    /// Its motion, as far as the detector knows it.
+    pub motion: MotionFacts,
+}
+
+/// The motion of a detection, as far as its detector knows it.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub struct MotionFacts {
+    /// Velocity over ground along x and y of the sensor frame, in metres per second.
+    pub velocity_m_per_s: Option<[f32; 2]>,
+    /// Number of the object in all scans of its drive.
+    pub track: Option<u32>,
 }
 
 impl DetectionFacts {

@@ -10,7 +10,9 @@ use serde::{Deserialize, Serialize};
 use crate::files::csv_rows::row;
 use crate::files::fixed_decimals::Fixed;
 use crate::files::shown_text::printable_name;
-use crate::rows::match_outcome::{AnnotationFacts, BoxFacts, DetectionFacts, FoundBy, MatchOutcome};
+use crate::rows::match_outcome::{
+    AnnotationFacts, BoxFacts, DetectionFacts, FoundBy, MatchOutcome, MotionFacts,
+};
 use crate::vocabulary::class::{AnnotationClass, DetectionClass, Occlusion};
 use crate::vocabulary::criterion::CriterionKind;
 use crate::vocabulary::reason::{FalseReason, IgnoredAnnotation, IgnoredDetection, MissReason};
@@ -105,6 +107,10 @@ row! {
             "detection_height_m",
             "detection_yaw_rad",
         ],
+        /// Its velocity over ground along x and y of the sensor frame, if the detector gives one.
+        detection_velocity: VelocityColumns = ["detection_velocity_x_m_per_s", "detection_velocity_y_m_per_s"],
+        /// Its number in all scans of the drive, if the detector gives one.
+        detection_track: Option<u32>,
     }
 }
 
@@ -244,6 +250,9 @@ fn box_columns(bounding_box: BoxFacts) -> BoxColumns {
     [x, y, z, length, width, height, yaw_rad].map(|it| Some(Fixed::rounded(f64::from(it))))
 }
 
+/// Velocity along x and y as it is written.
+type VelocityColumns = [Option<Fixed<4>>; 2];
+
 /// Columns of its box or, without one, of the centroid of its points, which has neither size nor heading.
 fn columns_of_annotation(annotation: &AnnotationFacts) -> BoxColumns {
     match (annotation.bounding_box, annotation.centroid_m) {
@@ -296,6 +305,10 @@ impl From<MatchRow> for MatchRecord {
             detection_n_points: detection_ref.map(|it| it.n_points),
             detection_class: detection_ref.map(|it| it.class),
             detection_box: detection_ref.map_or([None; 7], |it| box_columns(it.bounding_box)),
+            detection_velocity: detection_ref
+                .and_then(|it| it.motion.velocity_m_per_s)
+                .map_or([None; 2], |it| it.map(|it| Some(Fixed::rounded(f64::from(it))))),
+            detection_track: detection_ref.and_then(|it| it.motion.track),
         }
     }
 }
@@ -317,6 +330,14 @@ fn annotation_of(record: &MatchRecord) -> Result<Option<AnnotationFacts>, &'stat
     }))
 }
 
+fn velocity_of(record: &MatchRecord) -> Result<Option<[f32; 2]>, &'static str> {
+    match record.detection_velocity.map(|it| it.map(|Fixed(value)| value as f32)) {
+        [Some(x), Some(y)] => Ok(Some([x, y])),
+        [None, None] => Ok(None),
+        _ => Err("a velocity has an empty number"),
+    }
+}
+
 fn detection_of(record: &MatchRecord) -> Result<Option<DetectionFacts>, &'static str> {
     let (bounding_box, _) = box_from_columns(record.detection_box)?;
     let Some(id) = record.detection_id else { return Ok(None) };
@@ -326,6 +347,7 @@ fn detection_of(record: &MatchRecord) -> Result<Option<DetectionFacts>, &'static
         score: record.detection_score.map(|Fixed(score)| score as f32),
         n_points: record.detection_n_points.ok_or("a detection has no number of points")?,
         bounding_box: bounding_box.ok_or("a detection has no box")?,
+        motion: MotionFacts { velocity_m_per_s: velocity_of(record)?, track: record.detection_track },
     }))
 }
 
@@ -390,6 +412,7 @@ mod tests {
             score: Some(0.75),
             n_points: 201,
             bounding_box,
+            motion: MotionFacts::default(),
         }
     }
 

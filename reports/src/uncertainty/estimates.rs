@@ -137,7 +137,9 @@ mod tests {
     use crate::numbers::blocks::{BlockKind, Interval};
     use crate::numbers::tally::Processors;
     use crate::rows::counts::Counts;
-    use crate::rows::match_outcome::{AnnotationFacts, BoxFacts, DetectionFacts, FoundBy, MatchOutcome};
+    use crate::rows::match_outcome::{
+        AnnotationFacts, BoxFacts, DetectionFacts, FoundBy, MatchOutcome, MotionFacts,
+    };
     use crate::rows::match_row::MatchRow;
     use crate::rows::scan_row::{ScanNumbers, ScanOutcome, ScanRow, SegmentationNumbers};
     use crate::vocabulary::class::{AnnotationClass, DetectionClass, Occlusion};
@@ -157,7 +159,14 @@ mod tests {
     }
 
     fn detection(score: Option<f32>, n_points: u64, bounding_box: BoxFacts) -> DetectionFacts {
-        DetectionFacts { id: 0, class: DetectionClass::Vehicle, score, n_points, bounding_box }
+        DetectionFacts {
+            id: 0,
+            class: DetectionClass::Vehicle,
+            score,
+            n_points,
+            bounding_box,
+            motion: MotionFacts::default(),
+        }
     }
 
     fn match_row(scan: u32, outcome: MatchOutcome) -> MatchRow {

@@ -113,7 +113,7 @@ fn counts_of(sample: &Sample) -> Option<Counts> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::rows::match_outcome::{AnnotationFacts, BoxFacts, DetectionFacts};
+    use crate::rows::match_outcome::{AnnotationFacts, BoxFacts, DetectionFacts, MotionFacts};
     use crate::rows::scan_row::{ScanNumbers, ScanOutcome, ScanRow};
     use crate::vocabulary::class::{AnnotationClass, DetectionClass};
     use crate::vocabulary::criterion::CriterionKind;
@@ -127,7 +127,14 @@ mod tests {
 
     fn detection(center_m: [f32; 3]) -> DetectionFacts {
         let bounding_box = BoxFacts { center_m, length_width_height_m: [4.0, 2.0, 1.5], yaw_rad: 0.0 };
-        DetectionFacts { id: 0, class: DetectionClass::Object, score: None, n_points: 50, bounding_box }
+        DetectionFacts {
+            id: 0,
+            class: DetectionClass::Object,
+            score: None,
+            n_points: 50,
+            bounding_box,
+            motion: MotionFacts::default(),
+        }
     }
 
     /// Ten objects, of which six are found. Two far cars are merged, a near tree is split, and nothing finds a near car. Of

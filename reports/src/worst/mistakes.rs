@@ -131,7 +131,7 @@ pub fn worst_to_terminal(mistakes: &[ListedMistake<'_>]) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::rows::match_outcome::{AnnotationFacts, BoxFacts, DetectionFacts};
+    use crate::rows::match_outcome::{AnnotationFacts, BoxFacts, DetectionFacts, MotionFacts};
     use crate::vocabulary::class::{AnnotationClass, DetectionClass};
     use crate::vocabulary::criterion::CriterionKind;
     use crate::vocabulary::reason::{FalseReason, MissReason};
@@ -153,7 +153,14 @@ mod tests {
 
     fn false_one(n_points: u64) -> MatchOutcome {
         let class = DetectionClass::Vehicle;
-        let detection = DetectionFacts { id: 0, class, score: None, n_points, bounding_box: BOX };
+        let detection = DetectionFacts {
+            id: 0,
+            class,
+            score: None,
+            n_points,
+            bounding_box: BOX,
+            motion: MotionFacts::default(),
+        };
         MatchOutcome::False { detection, reason: FalseReason::WrongClass }
     }
 

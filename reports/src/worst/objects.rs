@@ -201,7 +201,7 @@ fn subject_of(annotation: &AnnotationFacts) -> Option<BoxFacts> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::rows::match_outcome::DetectionFacts;
+    use crate::rows::match_outcome::{DetectionFacts, MotionFacts};
     use crate::vocabulary::class::{AnnotationClass, DetectionClass};
     use crate::vocabulary::criterion::CriterionKind;
     use crate::vocabulary::reason::{FalseReason, MissReason};
@@ -223,7 +223,14 @@ mod tests {
 
     fn false_one(n_points: u64) -> MatchOutcome {
         let class = DetectionClass::Vehicle;
-        let detection = DetectionFacts { id: 7, class, score: None, n_points, bounding_box: BOX };
+        let detection = DetectionFacts {
+            id: 7,
+            class,
+            score: None,
+            n_points,
+            bounding_box: BOX,
+            motion: MotionFacts::default(),
+        };
         MatchOutcome::False { detection, reason: FalseReason::NothingThere }
     }
 

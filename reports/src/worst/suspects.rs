@@ -372,6 +372,7 @@ fn suspect(
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::rows::match_outcome::MotionFacts;
     use crate::vocabulary::class::DetectionClass;
     use crate::vocabulary::criterion::CriterionKind;
     use crate::vocabulary::reason::MissReason;
@@ -392,6 +393,7 @@ mod tests {
             score: None,
             n_points: 300,
             bounding_box,
+            motion: MotionFacts::default(),
         }
     }
 

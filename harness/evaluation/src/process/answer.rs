@@ -4,12 +4,14 @@ use detector::OrientedBox;
 use scans::dataset::class_table::ClassTable;
 use scans::foreign::foreign_class::ForeignClass;
 
-use super::message::{MOST_BOXES, ResultLine};
+use super::message::{MOST_BOXES, NO_TRACK, ResultLine};
 
 /// Longest side of an object, in metres.
 const LONGEST_SIDE_M: f32 = 1000.0;
 /// Greatest distance of an object from the sensor, in metres along an axis.
 const FARTHEST_M: f32 = 10_000.0;
+/// Greatest velocity of an object along an axis, in metres per second.
+const FASTEST_M_PER_S: f32 = 1000.0;
 /// Numbers of a box.
 const NUMBERS_OF_BOX: usize = 7;
 /// Most products of an answer.
@@ -28,6 +30,10 @@ pub struct Found {
     pub scores: Option<Vec<f32>>,
     /// Score of the box of every detection, if it has one.
     pub box_scores: Vec<Option<f32>>,
+    /// Velocity of every detection over ground along x and y of the scan, in metres per second, if it has one.
+    pub velocities: Vec<Option<[f32; 2]>>,
+    /// Track of every detection, if it has one.
+    pub tracks: Vec<Option<u32>>,
     /// Boxes that are no detections, each with its score: unlikely vehicles, used only where boxes are ranked.
     pub ranked: Vec<(OrientedBox, f32)>,
     /// Class of every detection; `None` where the detector predicts none.
@@ -79,26 +85,28 @@ impl Found {
         }
         let parts = Parts::of(line, n_points);
         let least = parts.ids + parts.boxes + parts.ranked + parts.products;
-        // Without boxes there are as many scores as clusters, which are not more than points.
-        let n_kinds = usize::from(line.scores) + usize::from(line.box_scores);
-        let is_open = n_kinds > 0 && line.clusters && line.n_boxes == 0;
-        let most_scores = 4 * n_kinds * if is_open { n_points } else { line.n_boxes };
+        // Without boxes there are as many detections as clusters, which are not more than points.
+        let n_bytes_of_detection = bytes_of_detection(line).iter().sum::<usize>();
+        let is_open = n_bytes_of_detection > 0 && line.clusters && line.n_boxes == 0;
+        let most_of_detections = n_bytes_of_detection * if is_open { n_points } else { line.n_boxes };
         let fits = if is_open {
-            (least..=least + most_scores).contains(&n_payload_bytes)
+            (least..=least + most_of_detections).contains(&n_payload_bytes)
         } else {
-            n_payload_bytes == least + most_scores
+            n_payload_bytes == least + most_of_detections
         };
         if fits {
             return Ok(());
         }
-        let expected = if is_open { least } else { least + most_scores };
+        let expected = if is_open { least } else { least + most_of_detections };
         let at_least = if is_open { "at least " } else { "" };
         Err(format!(
-            "payload_bytes is {n_payload_bytes}, but {n_points} points, {} boxes{}{}{}{} make {at_least}{expected}",
+            "payload_bytes is {n_payload_bytes}, but {n_points} points, {} boxes{}{}{}{}{}{} make {at_least}{expected}",
             line.n_boxes,
             if line.clusters { ", cluster ids" } else { "" },
             if line.scores { ", scores" } else { "" },
             if line.box_scores { ", box scores" } else { "" },
+            if line.velocities { ", velocities" } else { "" },
+            if line.tracks { ", tracks" } else { "" },
             if line.ranked > 0 { format!(", {} ranked boxes", line.ranked) } else { String::new() },
         ))
     }
@@ -120,18 +128,19 @@ impl Found {
         let clusters = line.clusters.then(|| words(ids).map(u32::from_le_bytes).collect::<Vec<u32>>());
         let boxes = boxes_of("box", boxes)?;
         let n_detections = n_detections(clusters.as_deref(), boxes.len())?;
-        let of_detections = |is_there: bool| if is_there { 4 * n_detections } else { 0 };
-        let n_score_bytes = [line.scores, line.box_scores].map(of_detections);
-        let n_score_bytes_of_all: usize = n_score_bytes.iter().sum();
-        if rest.len() != n_score_bytes_of_all + parts.ranked + parts.products {
-            let expected = parts.ids + parts.boxes + n_score_bytes_of_all + parts.ranked + parts.products;
+        let n_bytes_of_detections = bytes_of_detection(line).map(|it| it * n_detections);
+        let n_bytes_of_all: usize = n_bytes_of_detections.iter().sum();
+        if rest.len() != n_bytes_of_all + parts.ranked + parts.products {
+            let expected = parts.ids + parts.boxes + n_bytes_of_all + parts.ranked + parts.products;
             return Err(format!(
                 "payload_bytes is {}, but {n_detections} detections make {expected}",
                 payload.len()
             ));
         }
-        let (scores, rest) = rest.split_at(n_score_bytes[0]);
-        let (box_scores, rest) = rest.split_at(n_score_bytes[1]);
+        let (scores, rest) = rest.split_at(n_bytes_of_detections[0]);
+        let (box_scores, rest) = rest.split_at(n_bytes_of_detections[1]);
+        let (velocities, rest) = rest.split_at(n_bytes_of_detections[2]);
+        let (tracks, rest) = rest.split_at(n_bytes_of_detections[3]);
         let (ranked, products) = rest.split_at(parts.ranked);
         let (ranked, ranked_scores) = ranked.split_at(4 * NUMBERS_OF_BOX * line.ranked);
         let scores = finite("detection", scores)?;
@@ -148,6 +157,8 @@ impl Found {
             boxes,
             scores: line.scores.then_some(scores),
             box_scores: box_scores.collect::<Result<Vec<_>, _>>()?,
+            velocities: velocities_of(velocities)?,
+            tracks: words(tracks).map(u32::from_le_bytes).map(|it| (it != NO_TRACK).then_some(it)).collect(),
             ranked: boxes_of("ranked box", ranked)?.into_iter().zip(ranked_scores).collect(),
             classes: classes_of(line, n_detections, table)?,
             names_classes: line.classes.is_some(),
@@ -166,6 +177,26 @@ impl Parts {
             products: line.products.len() * n_points,
         }
     }
+}
+
+/// Bytes of each detection: of its score, the score of its box, its velocity and its track.
+fn bytes_of_detection(line: &ResultLine) -> [usize; 4] {
+    [(line.scores, 4), (line.box_scores, 4), (line.velocities, 8), (line.tracks, 4)]
+        .map(|(is_there, n_bytes)| if is_there { n_bytes } else { 0 })
+}
+
+fn velocities_of(bytes: &[u8]) -> Result<Vec<Option<[f32; 2]>>, String> {
+    let velocities = bytes.as_chunks::<8>().0.iter().enumerate().map(|(idx, it)| {
+        let mut along = words(it).map(f32::from_le_bytes);
+        match [(); 2].map(|()| along.next().unwrap_or_default()) {
+            [x, y] if x.is_nan() && y.is_nan() => Ok(None),
+            [x, y] if x.abs() <= FASTEST_M_PER_S && y.abs() <= FASTEST_M_PER_S => Ok(Some([x, y])),
+            other => Err(format!(
+                "the velocity of detection {idx} is {other:?} m/s, neither known nor unknown, or above {FASTEST_M_PER_S}"
+            )),
+        }
+    });
+    velocities.collect()
 }
 
 fn words(bytes: &[u8]) -> impl Iterator<Item = [u8; 4]> {
@@ -326,6 +357,26 @@ mod tests {
         }
         line.ranked = MOST_BOXES + 1;
         assert!(read(&line, &[], 3).unwrap_err().contains("ranked is 100001"));
+    }
+
+    #[test]
+    fn velocities_and_tracks_stand_behind_the_scores() {
+        let mut line = line(0, true, true);
+        (line.velocities, line.tracks) = (true, true);
+        let payload = |velocity: [f32; 2]| {
+            let motion = [velocity[0], velocity[1], f32::NAN, f32::NAN];
+            [ids(&[4, 0, 9]), numbers(&[0.5, -2.0]), numbers(&motion), ids(&[7, NO_TRACK])].concat()
+        };
+        let found = read(&line, &payload([-3.5, 0.25]), 3).unwrap();
+        assert_eq!(found.velocities, [Some([-3.5, 0.25]), None]);
+        assert_eq!(found.tracks, [Some(7), None]);
+        assert_eq!(found.scores, Some(vec![0.5, -2.0]));
+        for velocity in [[f32::NAN, 0.0], [f32::INFINITY, 0.0], [0.0, -1001.0]] {
+            let problem = read(&line, &payload(velocity), 3).unwrap_err();
+            assert!(problem.contains("the velocity of detection 0 is"), "{problem}");
+        }
+        let problem = read(&line, &payload([0.0; 2])[..40], 3).unwrap_err();
+        assert!(problem.contains("payload_bytes is 40, but 2 detections make 44"), "{problem}");
     }
 
     #[test]

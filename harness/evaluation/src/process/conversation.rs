@@ -2,18 +2,22 @@
 
 use std::time::{Duration, Instant};
 
+use detector::PointCloud;
+use nalgebra::Isometry3;
 use scans::annotation::{LabeledScan, ScanId};
 use scans::dataset::class_table::ClassTable;
+use scans::dataset::earlier_scans::EarlierScan;
 use serde::Serialize;
 
 use super::answer::Found;
 use super::message::{
-    Answer, AskedScan, Configuration, Introduction, PROTOCOL, Question, RANKED, line_of, parse_line,
+    Answer, AskedEarlierScan, AskedScan, Column, Configuration, Introduction, MOST_EARLIER_SCANS, PROTOCOLS,
+    Question, RANKED, Wishes, line_of, parse_line,
 };
 use super::pipe::PipeError;
 use super::problem::{DetectorProblem, Ending};
 use super::program::{Program, StartedProgram};
-use super::shared_cloud::SharedCloud;
+use super::shared_cloud::{SharedCloud, room_for};
 
 /// Time limit for the first scan, unless the limit for each scan is longer.
 pub const FIRST_SCAN_LIMIT: Duration = Duration::from_mins(1);
@@ -28,11 +32,33 @@ pub struct Conversation {
     start_limit: Duration,
     classes: ClassTable,
     introduction: Introduction,
+    wishes: Wishes,
     number: u64,
     is_configured: bool,
     // The scan in the shared memory, with the positions of its columns.
     written: Option<(ScanId, AskedScan)>,
     payload: Vec<u8>,
+}
+
+/// What a detector is asked.
+pub struct Asked<'a> {
+    /// The scan.
+    pub scan: &'a LabeledScan,
+    /// Seconds from the first scan of its drive.
+    pub time_s: f64,
+    /// Where it stands in its drive; only for detectors that speak version 2 of the protocol.
+    pub in_drive: Option<InDrive>,
+}
+
+/// Where a scan stands in its drive.
+#[derive(Debug, Default)]
+pub struct InDrive {
+    /// Whether what the detector knows is of no use for it.
+    pub begins_drive: bool,
+    /// Pose of the sensor in a frame that rests, if known.
+    pub world_from_sensor: Option<Isometry3<f64>>,
+    /// The scans before it, the latest first.
+    pub earlier: Vec<EarlierScan>,
 }
 
 /// Answer of a detector, and the time it took.
@@ -73,6 +99,7 @@ impl Conversation {
                     start_limit: start.start_limit,
                     classes: start.classes.clone(),
                     introduction,
+                    wishes: Wishes::default(),
                     number: 0,
                     is_configured: false,
                     written: None,
@@ -90,6 +117,16 @@ impl Conversation {
     /// How the detector introduces itself.
     pub fn introduction(&self) -> &Introduction {
         &self.introduction
+    }
+
+    /// Whether it takes what stands in [`Asked::in_drive`].
+    pub fn knows_drives(&self) -> bool {
+        self.introduction.protocol > 1
+    }
+
+    /// What it asks for with every scan.
+    pub fn wishes(&self) -> Wishes {
+        self.wishes
     }
 
     /// Whether it has `configuration`, apart from the shared memory.
@@ -110,34 +147,35 @@ impl Conversation {
         self.configure(Instant::now() + self.start_limit)
     }
 
-    /// Asks for the objects in `scan`, taken `time_s` seconds after the first of its drive.
+    /// Asks for the objects in a scan.
     ///
     /// # Errors
     ///
     /// The problem. The detector can be asked again only after [`DetectorProblem::Reported`].
-    pub fn ask(
-        &mut self,
-        scan: &LabeledScan,
-        time_s: f64,
-        limit: Duration,
-    ) -> Result<Answered, DetectorProblem> {
-        let n_points = scan.cloud.len();
-        if !self.is_configured && n_points <= self.shared.max_points() {
+    pub fn ask(&mut self, asked: &Asked<'_>, limit: Duration) -> Result<Answered, DetectorProblem> {
+        let n_points = asked.scan.cloud.len();
+        let room = room_for(asked.clouds());
+        if !self.is_configured && room <= self.shared.max_points() {
             self.configure_anew(&self.configuration.clone())?;
         }
-        if n_points > self.shared.max_points() {
-            let room = SharedCloud::with_room(n_points + n_points / 2);
+        if room > self.shared.max_points() {
+            // At the beginning of a drive there are fewer earlier scans than later on.
+            let of_all = n_points * (1 + self.wishes.earlier_scans);
+            let room = SharedCloud::with_room(room.max(of_all) + n_points / 2);
             self.shared = room.map_err(|it| DetectorProblem::Machine(it.to_string()))?;
             self.configure(Instant::now() + self.start_limit)?;
         }
         self.check_silence()?;
-        let line = self.question(scan, time_s)?;
+        let line = self.question(asked)?;
         let cpu_before = self.program.cpu_time();
         let started = Instant::now();
         let deadline = started + limit;
         self.say(&line, deadline)?;
         let answer = read_answer(&mut self.program, "scan", limit, deadline)?;
-        let (Answer::Result(result), n_payload_bytes) = answer else { return Err(unasked(&answer.0)) };
+        let (Answer::Result(mut result), n_payload_bytes) = answer else { return Err(unasked(&answer.0)) };
+        // In version 1 these are unknown fields.
+        (result.velocities, result.tracks) =
+            (result.velocities && self.knows_drives(), result.tracks && self.knows_drives());
         if result.number != self.number {
             let problem = format!("it is to scan number {}, not {}", result.number, self.number);
             return Err(DetectorProblem::WrongAnswer(problem));
@@ -174,25 +212,37 @@ impl Conversation {
     }
 
     /// The line that asks for a scan. Writes its points to the shared memory, unless they are there already.
-    fn question(&mut self, scan: &LabeledScan, time_s: f64) -> Result<Vec<u8>, DetectorProblem> {
+    fn question(&mut self, asked: &Asked<'_>) -> Result<Vec<u8>, DetectorProblem> {
         self.number += 1;
-        let asked = match self.written.take() {
-            Some((id, asked)) if id == scan.id && asked.n_points == scan.cloud.len() => {
-                AskedScan { number: self.number, ..asked }
+        let Asked { scan, time_s, in_drive } = asked;
+        let begins_drive = in_drive.as_ref().is_some_and(|it| it.begins_drive);
+        let question = match self.written.take() {
+            Some((id, before)) if id == scan.id && before.n_points == scan.cloud.len() => {
+                AskedScan { number: self.number, begins_drive, ..before }
             }
-            _ => AskedScan {
-                number: self.number,
-                name: scan.id.to_string(),
-                time_s,
-                n_points: scan.cloud.len(),
-                columns: self
-                    .shared
-                    .write(&scan.cloud)
-                    .map_err(|it| DetectorProblem::Machine(it.to_string()))?,
-            },
+            _ => {
+                let written = self.shared.write(asked.clouds());
+                let written = written.map_err(|it| DetectorProblem::Machine(it.to_string()))?;
+                let mut columns = written.into_iter();
+                AskedScan {
+                    number: self.number,
+                    name: scan.id.to_string(),
+                    time_s: *time_s,
+                    n_points: scan.cloud.len(),
+                    columns: columns.next().unwrap_or_default(),
+                    begins_drive,
+                    world_from_sensor: in_drive.as_ref().and_then(|it| it.world_from_sensor).map(rows_of),
+                    earlier: asked
+                        .earlier()
+                        .iter()
+                        .zip(columns)
+                        .map(|it| asked_earlier(it, *time_s))
+                        .collect(),
+                }
+            }
         };
-        self.written = Some((scan.id.clone(), asked.clone()));
-        json(&Question::Scan(asked))
+        self.written = Some((scan.id.clone(), question.clone()));
+        json(&Question::Scan(question))
     }
 
     fn configure(&mut self, deadline: Instant) -> Result<(), DetectorProblem> {
@@ -206,11 +256,18 @@ impl Conversation {
         let answer = read_answer(&mut self.program, "configure", self.start_limit, deadline);
         self.shared.hide();
         match answer? {
-            (Answer::Configured, 0) => {
+            (Answer::Configured(wishes), 0) => {
+                // In version 1 these are unknown fields.
+                self.wishes = if self.knows_drives() { wishes } else { Wishes::default() };
+                if self.wishes.earlier_scans > MOST_EARLIER_SCANS {
+                    let n = self.wishes.earlier_scans;
+                    let problem = format!("it asks for {n} earlier scans, more than {MOST_EARLIER_SCANS}");
+                    return Err(DetectorProblem::WrongAnswer(problem));
+                }
                 self.is_configured = true;
                 Ok(())
             }
-            (Answer::Configured, _) => {
+            (Answer::Configured(_), _) => {
                 Err(DetectorProblem::WrongAnswer("configured has a payload".to_owned()))
             }
             (other, _) => Err(unasked(&other)),
@@ -232,17 +289,42 @@ impl Conversation {
     }
 }
 
+impl Asked<'_> {
+    fn earlier(&self) -> &[EarlierScan] {
+        self.in_drive.as_ref().map_or(&[], |it| &it.earlier)
+    }
+
+    /// The points of the scan, then those of the scans before it.
+    fn clouds(&self) -> impl Iterator<Item = &PointCloud> {
+        std::iter::once(&self.scan.cloud).chain(self.earlier().iter().map(|it| &it.cloud))
+    }
+}
+
+/// The turn and the position in three rows.
+fn rows_of(pose: Isometry3<f64>) -> [f64; 12] {
+    let matrix = pose.to_homogeneous();
+    std::array::from_fn(|it| matrix[(it / 4, it % 4)])
+}
+
+fn asked_earlier((earlier, columns): (&EarlierScan, Vec<Column>), time_s: f64) -> AskedEarlierScan {
+    // In whole microseconds, which no clock of a sensor is better than.
+    let time_s = ((time_s - earlier.before_s) * 1e6).round() / 1e6;
+    AskedEarlierScan { name: earlier.name.clone(), time_s, n_points: earlier.cloud.len(), columns }
+}
+
 fn hello(program: &mut Program, limit: Duration, deadline: Instant) -> Result<Introduction, DetectorProblem> {
     let question = Question::Hello {
-        protocol: PROTOCOL,
+        protocol: PROTOCOLS[0],
+        protocols: PROTOCOLS.to_vec(),
         program: concat!("scanbench ", env!("CARGO_PKG_VERSION")).to_owned(),
         extensions: vec![RANKED.to_owned()],
     };
     say(program, &json(&question)?, deadline)?;
     match read_answer(program, "hello", limit, deadline)? {
-        (Answer::Hello(introduction), 0) if introduction.protocol == PROTOCOL => Ok(introduction),
+        (Answer::Hello(introduction), 0) if PROTOCOLS.contains(&introduction.protocol) => Ok(introduction),
         (Answer::Hello(introduction), 0) => {
-            let problem = format!("it speaks protocol {}, not {PROTOCOL}", introduction.protocol);
+            let [oldest, newest] = PROTOCOLS;
+            let problem = format!("it speaks protocol {}, not {oldest} or {newest}", introduction.protocol);
             Err(DetectorProblem::WrongAnswer(problem))
         }
         (Answer::Hello(_), _) => Err(DetectorProblem::WrongAnswer("hello has a payload".to_owned())),
@@ -291,7 +373,7 @@ fn problem_of(error: PipeError, to: &'static str, limit: Duration) -> DetectorPr
 fn unasked(answer: &Answer) -> DetectorProblem {
     let name = match answer {
         Answer::Hello(_) => "hello",
-        Answer::Configured => "configured",
+        Answer::Configured(_) => "configured",
         Answer::Result(_) => "result",
         Answer::Error { .. } => "an error with a payload",
     };

@@ -2,12 +2,16 @@
 
 use serde::{Deserialize, Serialize};
 
-/// Version of the protocol that this program speaks.
-pub const PROTOCOL: u32 = 1;
+/// Versions of the protocol that this program speaks.
+pub const PROTOCOLS: [u32; 2] = [1, 2];
 /// Longest line of a message in bytes, with its end.
 pub const MOST_LINE_BYTES: usize = 1 << 20;
 /// Extension of the protocol that lets answers have scores of boxes, and boxes that are only ranked.
 pub const RANKED: &str = "ranked";
+/// Most earlier scans that a detector may ask for.
+pub const MOST_EARLIER_SCANS: usize = 100;
+/// Stands for no track.
+pub const NO_TRACK: u32 = u32::MAX;
 /// Most boxes of an answer.
 pub const MOST_BOXES: usize = scans::foreign::detections::MAX_BOXES;
 
@@ -17,8 +21,11 @@ pub const MOST_BOXES: usize = scans::foreign::detections::MAX_BOXES;
 pub enum Question {
     /// The first message.
     Hello {
-        /// Version of the protocol.
+        /// Oldest version of the protocol that this program speaks.
         protocol: u32,
+        /// All versions that it speaks.
+        #[serde(default, skip_serializing_if = "Vec::is_empty")]
+        protocols: Vec<u32>,
         /// Name and version of this program.
         program: String,
         /// Extensions of the first version of the protocol that answers may use.
@@ -65,6 +72,28 @@ pub struct AskedScan {
     pub n_points: usize,
     /// Where the columns are.
     pub columns: Vec<Column>,
+    /// Whether the scan before was of another drive, or this one has been sent before. From here on only in version 2.
+    #[serde(default, skip_serializing_if = "is_false")]
+    pub begins_drive: bool,
+    /// Pose of the sensor in a frame that rests, if known: three rows of four numbers, the turn and the position.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub world_from_sensor: Option<[f64; 12]>,
+    /// The scans before it, the latest first.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub earlier: Vec<AskedEarlierScan>,
+}
+
+/// A scan before the one that is asked for, in its frame.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct AskedEarlierScan {
+    /// Drive, slash, scan.
+    pub name: String,
+    /// Seconds within its drive.
+    pub time_s: f64,
+    /// Length of each column.
+    pub n_points: usize,
+    /// Where the columns are.
+    pub columns: Vec<Column>,
 }
 
 /// A column of the points.
@@ -86,7 +115,7 @@ pub enum Answer {
     /// To `hello`.
     Hello(Introduction),
     /// To `configure`.
-    Configured,
+    Configured(Wishes),
     /// To `scan`.
     Result(ResultLine),
     /// To anything that failed.
@@ -108,6 +137,17 @@ pub struct Introduction {
     pub version: Option<String>,
 }
 
+/// What a detector asks for with every scan.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Wishes {
+    /// So many scans before it.
+    #[serde(default, skip_serializing_if = "is_zero")]
+    pub earlier_scans: usize,
+    /// The scans of a drive one after the other, each once.
+    #[serde(default, skip_serializing_if = "is_false")]
+    pub in_order: bool,
+}
+
 /// A result without its payload.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 pub struct ResultLine {
@@ -125,6 +165,12 @@ pub struct ResultLine {
     /// The payload has a score of the box of each detection.
     #[serde(default, skip_serializing_if = "is_false")]
     pub box_scores: bool,
+    /// The payload has a velocity of each detection.
+    #[serde(default, skip_serializing_if = "is_false")]
+    pub velocities: bool,
+    /// The payload has the track of each detection.
+    #[serde(default, skip_serializing_if = "is_false")]
+    pub tracks: bool,
     /// Boxes that are only ranked.
     #[serde(default, skip_serializing_if = "is_zero")]
     pub ranked: usize,

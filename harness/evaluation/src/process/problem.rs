@@ -34,7 +34,7 @@ pub enum DetectorProblem {
     /// Its results need information that the user has not given, such as the meaning of a class name.
     #[error("its results cannot be used: {0}")]
     Unusable(String),
-    /// The machine prevents us from asking it.
+    /// It cannot be asked: the machine prevents it, or the data lack what it asks for.
     #[error("{0}")]
     Machine(String),
 }

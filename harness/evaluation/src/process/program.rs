@@ -12,7 +12,7 @@ use rustix::process::{Pid, Signal};
 use scans::dataset::class_table::ClassTable;
 
 use super::last_words::LastWords;
-use super::message::{PROTOCOL, Question, line_of};
+use super::message::{PROTOCOLS, Question, line_of};
 use super::pipe::Pipe;
 use super::problem::Ending;
 use super::processes::{cpu_time_of, descendants, start_of};
@@ -69,7 +69,7 @@ impl StartedProgram {
         let (from, theirs_to_write) = rustix::pipe::pipe_with(rustix::pipe::PipeFlags::CLOEXEC)?;
         let mut command = Command::new(std::env::current_exe()?);
         command.arg(SUPERVISE).arg("--").args(&self.command).current_dir(&self.folder);
-        command.env("SCANBENCH_PROTOCOL", PROTOCOL.to_string());
+        command.env("SCANBENCH_PROTOCOL", PROTOCOLS[0].to_string());
         for name in THREAD_VARIABLES.iter().filter(|name| std::env::var_os(name).is_none()) {
             command.env(name, self.threads.to_string());
         }

@@ -71,13 +71,16 @@ mod tests {
         for n_points in [17_u8, 100, 3, 0] {
             let mut cloud = PointCloud::default();
             (0..n_points).for_each(|it| cloud.push([it, it / 2, 255 - it].map(f32::from), f32::from(it)));
-            let columns = shared.write(&cloud).unwrap();
+            let columns = shared.write([&cloud]).unwrap().remove(0);
             let mut asked = AskedScan {
                 number: 1,
                 name: "0001/000017".to_owned(),
                 time_s: 0.0,
                 n_points: cloud.len(),
                 columns,
+                begins_drive: false,
+                world_from_sensor: None,
+                earlier: Vec::new(),
             };
             assert_eq!(received.read(&asked).unwrap(), &cloud);
             asked.columns.retain(|it| it.name != INTENSITY);

@@ -26,6 +26,13 @@ pub struct SharedCloud {
     max_points: usize,
     name: Option<(PathBuf, Unfinished)>,
     bytes: Vec<u8>,
+    // Where the next column begins.
+    end: usize,
+}
+
+/// How many points a file has to have room for if these clouds are to be written together.
+pub fn room_for<'a>(clouds: impl IntoIterator<Item = &'a PointCloud>) -> usize {
+    clouds.into_iter().map(|it| it.len().next_multiple_of(ALIGNMENT / size_of::<f32>())).sum()
 }
 
 impl SharedCloud {
@@ -42,7 +49,7 @@ impl SharedCloud {
         let create = || OpenOptions::new().read(true).write(true).create_new(true).mode(0o600).open(&path);
         let (entry, file) = Unfinished::begin(Kind::File, create, |_| path.clone()).map_err(about_memory)?;
         let n_bytes = MOST_COLUMNS * column_bytes(max_points);
-        let shared = Self { file, max_points, name: Some((path, entry)), bytes: Vec::new() };
+        let shared = Self { file, max_points, name: Some((path, entry)), bytes: Vec::new(), end: 0 };
         shared.file.set_len(n_bytes.max(1) as u64).map_err(about_memory)?;
         Ok(shared)
     }
@@ -64,13 +71,20 @@ impl SharedCloud {
         }
     }
 
-    /// Writes the points of `cloud`. Returns the columns with their positions.
+    /// Writes the points of `clouds`, one after the other. Returns the columns of each with their positions.
     ///
     /// # Errors
     ///
     /// If the memory cannot be written.
-    pub fn write(&mut self, cloud: &PointCloud) -> io::Result<Vec<Column>> {
-        debug_assert!(cloud.len() <= self.max_points);
+    pub fn write<'a>(
+        &mut self,
+        clouds: impl IntoIterator<Item = &'a PointCloud>,
+    ) -> io::Result<Vec<Vec<Column>>> {
+        self.end = 0;
+        clouds.into_iter().map(|it| self.add(it)).collect()
+    }
+
+    fn add(&mut self, cloud: &PointCloud) -> io::Result<Vec<Column>> {
         let mut written = Vec::new();
         let coordinates = [("x_m", cloud.x_m()), ("y_m", cloud.y_m()), ("z_m", cloud.z_m())];
         let numbers = coordinates.into_iter().chain([("intensity", cloud.intensity())]);
@@ -91,8 +105,9 @@ impl SharedCloud {
         values: impl ExactSizeIterator<Item = [u8; N]>,
         written: &mut Vec<Column>,
     ) -> io::Result<()> {
-        // As if all values had four bytes: only those of the last column have fewer.
-        let offset = written.len() * column_bytes(values.len());
+        let offset = self.end;
+        // As if all values had four bytes, for which there is room.
+        self.end += column_bytes(values.len());
         self.bytes.clear();
         self.bytes.extend(values.flatten());
         self.file.write_all_at(&self.bytes, offset as u64).map_err(about_memory)?;
@@ -136,7 +151,7 @@ mod tests {
         let mapped = File::open(&path).unwrap();
         shared.hide();
         assert!(!path.exists());
-        let columns = shared.write(&cloud).unwrap();
+        let columns = shared.write([&cloud]).unwrap().remove(0);
         let names = |columns: &[Column]| columns.iter().map(|it| it.name.clone()).collect::<Vec<_>>();
         assert_eq!(names(&columns), ["x_m", "y_m", "z_m", "intensity"]);
         for (column, values) in columns.iter().zip([cloud.x_m(), cloud.y_m(), cloud.z_m(), cloud.intensity()])
@@ -150,7 +165,7 @@ mod tests {
         }
         cloud.set_ring((0..17).map(|it| 60_000 + it).collect());
         cloud.set_time_offset_s(vec![-0.05; 17]);
-        let columns = shared.write(&cloud).unwrap();
+        let columns = shared.write([&cloud]).unwrap().remove(0);
         assert_eq!(names(&columns), ["x_m", "y_m", "z_m", "intensity", "time_offset_s", "ring"]);
         let [.., time, ring] = &columns[..] else { panic!("{columns:?}") };
         let mut bytes = [0; 2 * 17];
@@ -158,6 +173,22 @@ mod tests {
         assert_eq!((&bytes[32..], ring.kind.as_str()), (&60_016_u16.to_le_bytes()[..], "u16"));
         mapped.read_exact_at(&mut bytes[..4], time.offset as u64 + 64).unwrap();
         assert_eq!((&bytes[..4], time.kind.as_str()), (&(-0.05_f32).to_le_bytes()[..], "f32"));
+    }
+
+    #[test]
+    fn several_clouds_stand_one_after_the_other() {
+        let cloud = |n: u8| PointCloud::from_iter((0..n).map(|it| [f32::from(it), 0.0, f32::from(n)]));
+        let clouds = [cloud(17), cloud(3), cloud(0), cloud(40)];
+        let mut shared = SharedCloud::with_room(room_for(&clouds)).unwrap();
+        assert_eq!(shared.max_points(), 32 + 16 + 48);
+        let columns = shared.write(&clouds).unwrap();
+        let offsets: Vec<usize> = columns.iter().flatten().map(|it| it.offset).collect();
+        assert_eq!(offsets[..9], [0, 128, 256, 384, 512, 576, 640, 704, 768]);
+        for (cloud, columns) in clouds.iter().zip(&columns) {
+            let mut bytes = vec![0; 4 * cloud.len()];
+            shared.file.read_exact_at(&mut bytes, columns[2].offset as u64).unwrap();
+            assert!(bytes.as_chunks::<4>().0.iter().all(|it| *it == (cloud.len() as f32).to_le_bytes()));
+        }
     }
 
     #[test]

@@ -56,6 +56,8 @@ impl AnswerWriter {
             n_boxes: detections.len(),
             scores: !scores.is_empty() && scores.len() == detections.len(),
             box_scores: is_ranked && box_scores,
+            velocities: false,
+            tracks: false,
             ranked: if is_ranked { output.unlikely_vehicles.len() } else { 0 },
             classes: (!detections.is_empty())
                 .then(|| detections.iter().map(|it| Some(class_of(&it).to_owned())).collect()),
@@ -166,7 +168,7 @@ mod tests {
         OrientedBox { center_m: [8.0, 3.0, -1.0], length_width_height_m: [4.2, 1.8, 1.5], yaw_rad: 0.25 };
 
     fn detection(points: &[u32], score: f32, box_score: Option<f32>) -> Detection<'_> {
-        let box_details = BoxDetails { score: box_score, seen: None };
+        let box_details = BoxDetails { score: box_score, ..BoxDetails::default() };
         Detection { box_details, ..Detection::new(points, BOX, DetectedClass::Vehicle, Some(score)) }
     }
 

@@ -9,7 +9,7 @@ use scans::annotation::LabeledScan;
 use scans::conversion::results::detection_rows::SCORE_OF_NONE;
 use scans::dataset::foreign_frame::ForeignFrame;
 use scans::dataset::kitti::label::{KittiLabel, KittiObject};
-use scans::dataset::official::{OfficialObject, OfficialScan};
+use scans::dataset::official::{OfficialObject, OfficialScan, turned_velocity};
 use scans::dataset::upright_box::{pose_of_box, upright_box};
 use scans::dataset::{Dataset, DatasetError};
 use scans::foreign::foreign_class::ForeignClass;
@@ -86,7 +86,11 @@ impl<'a> OfficialScanView<'a> {
                 (None, DetectedClass::Vehicle) => AnnotationClass::Car.name(),
                 (None, DetectedClass::Object) => DETECTED_OBJECT,
             };
-            let object = in_frame(name, &it.bounding_box, &file_from_sensor);
+            let velocity = it.box_details.velocity_m_per_s.map(|it| it.map(f64::from));
+            let object = OfficialObject {
+                velocity_m_per_s: velocity.map(|it| turned_velocity(it, &file_from_sensor.rotation)),
+                ..in_frame(name, &it.bounding_box, &file_from_sensor)
+            };
             with_score(object, it.box_score().map(f64::from))
         });
         found.collect()

@@ -141,6 +141,7 @@ fn color_of(rgb: Rgb, a: f64) -> Color {
 mod tests {
     use super::*;
     use detector::PointCloud;
+    use reports::rows::match_outcome::MotionFacts;
     use reports::vocabulary::class::{AnnotationClass, DetectionClass};
     use reports::vocabulary::reason::{FalseReason, IgnoredAnnotation, IgnoredDetection, MissReason};
     use scans::annotation::{Annotation, ScanId};
@@ -171,7 +172,14 @@ mod tests {
     fn detection() -> DetectionFacts {
         let bounding_box =
             BoxFacts { center_m: [5.0, 1.0, 0.5], length_width_height_m: [2.0, 1.0, 1.0], yaw_rad: 0.0 };
-        DetectionFacts { id: 3, class: DetectionClass::Vehicle, score: Some(0.5), n_points: 9, bounding_box }
+        DetectionFacts {
+            id: 3,
+            class: DetectionClass::Vehicle,
+            score: Some(0.5),
+            n_points: 9,
+            bounding_box,
+            motion: MotionFacts::default(),
+        }
     }
 
     /// Checks the colour of the box, the numbers of boxes and lines, and one entry of the metadata.

@@ -12,7 +12,7 @@ use detector::pipeline::object_stages::{ObjectModels, object_stages};
 use detector::pipeline::stage_list::{Pipeline, Stages};
 use detector::whole::box_model::BoxModel;
 use detector::whole::reported_boxes::{BoxParams, ReportedBoxes};
-use detector::{DetectedClass, Detection, Detector, DetectorOutput, OrientedBox, PointCloud};
+use detector::{BoxDetails, DetectedClass, Detection, Detector, DetectorOutput, OrientedBox, PointCloud};
 use reports::vocabulary::class_traits::ClassGroup;
 use scans::foreign::foreign_class::ForeignClass;
 use scans::foreign::points_in_boxes::PointsAlongX;
@@ -28,8 +28,8 @@ pub struct FoundObject {
     pub class: Option<ForeignClass>,
     /// Score of the object, if the detector reports one.
     pub score: Option<f32>,
-    /// Score of its box, if the detector reports one.
-    pub box_score: Option<f32>,
+    /// Score of its box and its motion, if the detector reports them.
+    pub box_details: BoxDetails,
 }
 
 impl FoundObject {
@@ -75,7 +75,7 @@ struct PreparedObject {
     is_fitted: bool,
     class: Option<ForeignClass>,
     score: Option<f32>,
-    box_score: Option<f32>,
+    box_details: BoxDetails,
 }
 
 /// Why objects cannot be made into detections, as the rest of a sentence.
@@ -141,8 +141,8 @@ impl ForeignVehicles {
             let is_fitted = object.bounding_box.is_none();
             let bounding_box = object.bounding_box.or_else(|| self.fit(&points, cloud));
             let Some(bounding_box) = bounding_box else { continue };
-            let FoundObject { class, score, box_score, .. } = object;
-            prepared.push(PreparedObject { points, bounding_box, is_fitted, class, score, box_score });
+            let FoundObject { class, score, box_details, .. } = object;
+            prepared.push(PreparedObject { points, bounding_box, is_fitted, class, score, box_details });
         }
         if prepared.iter().any(|it| it.is_fitted || it.class.is_none() && self.by_model.is_some()) {
             self.foreground.detect(cloud, &mut DetectorOutput::default());
@@ -166,9 +166,11 @@ impl ForeignVehicles {
                 // Scores of foreign detectors are no log odds, so they cannot be combined with ours.
                 reported.box_details.score = None;
             }
-            if object.box_score.is_some() {
-                reported.box_details.score = object.box_score;
-            }
+            reported.box_details = BoxDetails {
+                score: object.box_details.score.or(reported.box_details.score),
+                seen: reported.box_details.seen,
+                ..object.box_details
+            };
             output.detections.push(reported);
         }
         Ok(())

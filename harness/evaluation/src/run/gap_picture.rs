@@ -14,6 +14,7 @@ use crate::process::problem::DetectorFailure;
 use crate::run::compared_detector::ComparedDetector;
 use crate::run::gap_experiment::{StagedPairs, Staging};
 use crate::run::running_detector::RunningDetector;
+use crate::run::scan_in_drive::ScanInDrive;
 
 /// Kind and layout of the shown pair, which is at the nearest range.
 const SHOWN: (PairKind, PairLayout) = (PairKind::CarAndPedestrian, PairLayout::Beside);
@@ -56,7 +57,7 @@ pub fn gap_picture(
         let mut look = |detector_idx: usize| {
             let detector: &mut dyn RunningDetector = detectors[detector_idx].as_mut();
             let mut output = DetectorOutput::default();
-            detector.detect(&scan, 0.0, &mut output)?;
+            detector.detect(&ScanInDrive::alone(&scan), &mut output)?;
             let outcomes =
                 judge_pairs(&scan, &output.detections, &[[0, 1]], &compared_detectors[0].config.matching);
             Ok::<_, DetectorFailure>((

@@ -6,9 +6,12 @@ pub mod config;
 pub mod foreign_files;
 pub mod detector_list;
 pub mod counter;
+pub mod scan_in_drive;
 pub mod running_detector;
 pub mod given_classes;
 pub mod found_objects;
+#[cfg(target_os = "linux")]
+mod drive_memory;
 #[cfg(target_os = "linux")]
 pub mod process_detector;
 pub mod results_detector;

@@ -4,22 +4,24 @@ use std::time::Duration;
 
 use detector::detector::{DetectorOutput, StageTime};
 use detector::stage_product::{Shape, StageProduct};
-use detector::{DetectedClass, Detection, PointCloud};
+use detector::{BoxDetails, DetectedClass, Detection, PointCloud};
 use perf_event::events::Hardware;
 use scans::annotation::LabeledScan;
 use scans::conversion::results::detection_rows::clusters_of_points;
 use scans::dataset::class_table::ClassTable;
 
 use crate::process::answer::Found;
-use crate::process::conversation::{Answered, Conversation, FIRST_SCAN_LIMIT, Goodbye};
+use crate::process::conversation::{Answered, Asked, Conversation, FIRST_SCAN_LIMIT, Goodbye};
 use crate::process::message::Configuration;
 use crate::process::problem::{DetectorFailure, DetectorProblem};
 use crate::process::program::StartedProgram;
 use crate::run::counter::{Count, Counter, ProcessMeter, peak_bytes_of};
+use crate::run::drive_memory::DriveMemory;
 use crate::run::foreign_detector::ForeignProcess;
 use crate::run::found_objects::{ForeignVehicles, FoundObject, members_of};
 use crate::run::kept_names::kept;
 use crate::run::running_detector::{DetectionTime, RunningDetector};
+use crate::run::scan_in_drive::ScanInDrive;
 
 /// After so many failures without an answer in between, it is not started again.
 const MOST_FAILURES: u32 = 3;
@@ -45,6 +47,7 @@ pub struct ProcessDetector {
     probe: OverheadProbe,
     counter: Option<Counter>,
     meter: ProcessMeter,
+    memory: DriveMemory,
     // Of the latest scan.
     clusters: Vec<Option<u32>>,
     products: Vec<(String, Vec<u8>)>,
@@ -91,6 +94,7 @@ impl ProcessDetector {
             probe: OverheadProbe::NotStarted,
             counter: None,
             meter: ProcessMeter::default(),
+            memory: DriveMemory::default(),
             clusters: Vec::new(),
             products: Vec::new(),
             reports_ground: false,
@@ -113,8 +117,9 @@ impl ProcessDetector {
         }
     }
 
-    /// The answer to `scan`.
-    fn ask(&mut self, scan: &LabeledScan, time_s: f64) -> Result<Answered, DetectorFailure> {
+    /// The answer to the scan in `asked`.
+    fn ask(&mut self, in_drive: &ScanInDrive<'_>) -> Result<Answered, DetectorFailure> {
+        let scan = in_drive.scan;
         let mut conversation = if let Some(conversation) = self.conversation.take() {
             conversation
         } else {
@@ -129,7 +134,15 @@ impl ProcessDetector {
         } else {
             self.process.time_limit.max(FIRST_SCAN_LIMIT)
         };
-        let asked = conversation.ask(scan, time_s, limit);
+        let asked = if conversation.knows_drives() {
+            let (memory, wishes) = (&mut self.memory, conversation.wishes());
+            let caught_up =
+                memory.catch_up(in_drive, wishes, |asked| conversation.ask(asked, limit).map(|_| ()));
+            let asked = caught_up.and_then(|begins_drive| memory.asked(in_drive, wishes, begins_drive));
+            asked.and_then(|asked| conversation.ask(&asked, limit))
+        } else {
+            conversation.ask(&Asked { scan, time_s: in_drive.time_s, in_drive: None }, limit)
+        };
         self.conversation = Some(conversation);
         match asked {
             Ok(answered) => {
@@ -153,6 +166,7 @@ impl ProcessDetector {
                 (problem, last_words)
             }
             (Some(conversation), problem) => {
+                self.memory.lose();
                 self.n_failures += 1;
                 conversation.end(problem)
             }
@@ -165,7 +179,7 @@ impl ProcessDetector {
     }
 
     /// Time from the question to the answer without detection; `None` if it cannot be measured.
-    fn time_overhead(&mut self, scan: &LabeledScan, time_s: f64) -> Option<Duration> {
+    fn time_overhead(&mut self, &ScanInDrive { scan, time_s, .. }: &ScanInDrive<'_>) -> Option<Duration> {
         if matches!(self.probe, OverheadProbe::NotStarted) {
             let start = StartedProgram { command: probe_command(), threads: 1, ..self.start.clone() };
             let configuration =
@@ -174,7 +188,7 @@ impl ProcessDetector {
             self.probe = begun.map_or(OverheadProbe::Broken, |it| OverheadProbe::Running(Box::new(it)));
         }
         let OverheadProbe::Running(probe) = &mut self.probe else { return None };
-        let answered = probe.ask(scan, time_s, FIRST_SCAN_LIMIT).ok();
+        let answered = probe.ask(&Asked { scan, time_s, in_drive: None }, FIRST_SCAN_LIMIT).ok();
         if answered.is_none() {
             self.probe = OverheadProbe::Broken;
         }
@@ -227,22 +241,22 @@ impl RunningDetector for ProcessDetector {
 
     fn detect(
         &mut self,
-        scan: &LabeledScan,
-        time_s: f64,
+        asked: &ScanInDrive<'_>,
         output: &mut DetectorOutput,
     ) -> Result<DetectionTime, DetectorFailure> {
+        let scan = asked.scan;
         output.clear();
         self.clusters.clear();
         self.products.clear();
         let before = self.count_so_far();
-        let Answered { found, wall, cpu } = self.ask(scan, time_s)?;
+        let Answered { found, wall, cpu } = self.ask(asked)?;
         let count = self.counter.is_some().then(|| self.count_since(before));
         if let Err(problem) = self.take(found, &scan.cloud, output) {
             output.clear();
             self.products.clear();
             return Err(self.failure(Some(scan), problem));
         }
-        let overhead = self.time_overhead(scan, time_s);
+        let overhead = self.time_overhead(asked);
         Ok(DetectionTime { wall: Some(wall), cpu, overhead, count })
     }
 
@@ -252,6 +266,10 @@ impl RunningDetector for ProcessDetector {
 
     fn may_give_classes(&self) -> bool {
         self.names_classes
+    }
+
+    fn is_in_order(&self) -> bool {
+        self.conversation.as_ref().is_some_and(|it| it.wishes().in_order)
     }
 
     fn stage_products(&self, cloud: &PointCloud) -> Vec<StageProduct> {
@@ -313,7 +331,12 @@ fn objects_of(found: &Found) -> Vec<FoundObject> {
     };
     for (idx, object) in objects.iter_mut().enumerate() {
         object.class = found.classes.get(idx).copied().flatten();
-        object.box_score = found.box_scores.get(idx).copied().flatten();
+        object.box_details = BoxDetails {
+            score: found.box_scores.get(idx).copied().flatten(),
+            velocity_m_per_s: found.velocities.get(idx).copied().flatten(),
+            track: found.tracks.get(idx).copied().flatten(),
+            ..BoxDetails::default()
+        };
         object.score = found.scores.as_ref().and_then(|it| it.get(idx).copied());
     }
     objects

@@ -1,7 +1,7 @@
 //! A detector that ran elsewhere: its results are read, and judged as those of our detectors. It has no times.
 
 use detector::stage_product::{Shape, StageProduct};
-use detector::{DetectedClass, Detection, DetectorOutput, PointCloud};
+use detector::{BoxDetails, DetectedClass, Detection, DetectorOutput, PointCloud};
 use reports::files::causes::with_causes;
 use scans::annotation::{LabeledScan, ScanId};
 use scans::conversion::results::detection_rows::clusters_of_points;
@@ -14,6 +14,7 @@ use scans::foreign::result_format::ResultFormat;
 use crate::process::problem::{DetectorFailure, DetectorProblem};
 use crate::run::found_objects::{ForeignVehicles, FoundObject, members_of};
 use crate::run::running_detector::{DetectionTime, RunningDetector};
+use crate::run::scan_in_drive::ScanInDrive;
 
 /// Results of a detector in the scans of one data set.
 pub struct ResultsDetector {
@@ -87,8 +88,7 @@ impl RunningDetector for ResultsDetector {
 
     fn detect(
         &mut self,
-        scan: &LabeledScan,
-        _time_s: f64,
+        &ScanInDrive { scan, .. }: &ScanInDrive<'_>,
         output: &mut DetectorOutput,
     ) -> Result<DetectionTime, DetectorFailure> {
         output.clear();
@@ -157,7 +157,11 @@ fn objects_of(found: ForeignDetections) -> Vec<FoundObject> {
         bounding_box: Some(it.bounding_box),
         class: it.class,
         score: it.score,
-        box_score: it.box_score,
+        box_details: BoxDetails {
+            score: it.box_score,
+            velocity_m_per_s: it.velocity_m_per_s,
+            ..BoxDetails::default()
+        },
     };
     (1..).zip(&boxes).filter(|(_, it)| !it.is_unlikely).map(object).collect()
 }
@@ -177,6 +181,7 @@ mod tests {
         class: None,
         score: Some(0.5),
         box_score: None,
+        velocity_m_per_s: None,
         is_unlikely: false,
     };
 
@@ -199,7 +204,7 @@ mod tests {
             bounding_box: Some(CUBE.bounding_box),
             class: CUBE.class,
             score: CUBE.score,
-            box_score: None,
+            box_details: BoxDetails::default(),
         };
         let found =
             ForeignDetections { clusters: Some(vec![0, 2]), boxes: vec![CUBE; 2], ..Default::default() };

@@ -10,6 +10,7 @@ use scans::dataset::official::OfficialObject;
 
 use crate::process::problem::DetectorFailure;
 use crate::run::counter::{Count, Counter, OwnMeter};
+use crate::run::scan_in_drive::ScanInDrive;
 
 /// The times of a detection, and what was counted.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
@@ -37,18 +38,23 @@ pub trait RunningDetector: Send {
     /// The name in tables and files.
     fn name(&self) -> &'static str;
 
-    /// Finds the objects of `scan`, which was taken `time_s` seconds after the first of its drive, and writes them to
-    /// `output`, whose previous content is overwritten. It must not look at the annotations.
+    /// Finds the objects of the scan in `asked`, and writes them to `output`, whose previous content is overwritten. It must
+    /// not look at the annotations.
     ///
     /// # Errors
     ///
     /// [`DetectorFailure`] if it does not give an answer; `output` is empty then.
     fn detect(
         &mut self,
-        scan: &LabeledScan,
-        time_s: f64,
+        asked: &ScanInDrive<'_>,
         output: &mut DetectorOutput,
     ) -> Result<DetectionTime, DetectorFailure>;
+
+    /// Whether it has to be asked for the scans of a drive one after the other, each once: it remembers them. Known after
+    /// the first scan.
+    fn is_in_order(&self) -> bool {
+        false
+    }
 
     /// Counts what its detections take from now on. Detectors whose results are read take nothing.
     fn count_by(&mut self, _counter: &Counter) {}
@@ -122,13 +128,12 @@ impl RunningDetector for BuiltIn {
 
     fn detect(
         &mut self,
-        scan: &LabeledScan,
-        _time_s: f64,
+        asked: &ScanInDrive<'_>,
         output: &mut DetectorOutput,
     ) -> Result<DetectionTime, DetectorFailure> {
         let cpu_before = own_cpu_time();
         let started = Instant::now();
-        let mut detect = || self.detector.detect(&scan.cloud, output);
+        let mut detect = || self.detector.detect(&asked.scan.cloud, output);
         let count = if let Some(meter) = &mut self.meter {
             Some(meter.measure(&mut detect))
         } else {
@@ -184,8 +189,7 @@ impl RunningDetector for NotHere {
 
     fn detect(
         &mut self,
-        _: &LabeledScan,
-        _: f64,
+        _: &ScanInDrive<'_>,
         output: &mut DetectorOutput,
     ) -> Result<DetectionTime, DetectorFailure> {
         output.clear();

@@ -21,6 +21,7 @@ use crate::run::counter::{Count, Counter};
 use crate::run::given_classes::GivesClasses;
 use crate::run::grid_write::GridWrite;
 use crate::run::running_detector::{DetectionTime, RunningDetector};
+use crate::run::scan_in_drive::{Place, ScanInDrive, ScansBefore, selected_before};
 
 /// Settings of a run on one data set.
 pub struct SideBySide<'a> {
@@ -182,18 +183,21 @@ impl SideBySide<'_> {
                         continue;
                     }
                 };
-                let time = &times[self.scan_indices[run_idx]];
-                let time_s = time.time_s;
+                let scan_idx = self.scan_indices[run_idx];
+                let time = &times[scan_idx];
+                let scan_indices = selected_before(self.dataset, self.scan_indices, run_idx);
+                let before = Some(ScansBefore { scan_indices, times: &times });
+                let place = Some(Place { dataset: self.dataset, scan_idx, before });
+                let asked = ScanInDrive { scan: &scan, time_s: time.time_s, place };
                 if !is_warm {
-                    self.warm_up(detectors, &scan, time_s)?;
+                    self.warm_up(detectors, &asked)?;
                     is_warm = true;
                 }
                 if self.is_interrupted() {
                     let (n_done, n_scans) = (run_idx - self.part.start, self.part.len());
                     return Err(RunError::Interrupted { n_done, n_scans }.into());
                 }
-                let turns =
-                    self.detect_all(run_idx, &scan, time_s, detectors, &mut outputs, &mut reference)?;
+                let turns = self.detect_all(run_idx, &asked, detectors, &mut outputs, &mut reference)?;
                 gives.iter_mut().zip(&outputs).for_each(|(gives, output)| gives.look(&output.detections));
                 let results = self.results(&scan, detectors, &outputs, &gives, turns);
                 on_scan(ScanResults { run_idx, scan: &scan, checksum, time, results: &results, detectors })?;
@@ -215,14 +219,13 @@ impl SideBySide<'_> {
     fn warm_up(
         &self,
         detectors: &mut [Box<dyn RunningDetector>],
-        scan: &LabeledScan,
-        time_s: f64,
+        asked: &ScanInDrive<'_>,
     ) -> Result<(), RunError> {
         let mut thrown_away = DetectorOutput::default();
         for detector in detectors {
             for _ in (0..self.n_warmup).take_while(|_| !self.is_interrupted()) {
                 // It is asked again when the scan counts.
-                if self.unless_skipped(detector.detect(scan, time_s, &mut thrown_away))?.is_err() {
+                if self.unless_skipped(detector.detect(asked, &mut thrown_away))?.is_err() {
                     break;
                 }
             }
@@ -234,8 +237,7 @@ impl SideBySide<'_> {
     fn detect_all(
         &self,
         run_idx: usize,
-        scan: &LabeledScan,
-        time_s: f64,
+        asked: &ScanInDrive<'_>,
         detectors: &mut [Box<dyn RunningDetector>],
         outputs: &mut [DetectorOutput],
         reference: &mut GridWrite,
@@ -251,12 +253,12 @@ impl SideBySide<'_> {
             }
             for turn in order {
                 let Some(idx) = turn else {
-                    of_reference = of_reference.min(reference.time(&scan.cloud));
+                    of_reference = of_reference.min(reference.time(&asked.scan.cloud));
                     continue;
                 };
-                // A scan that was skipped once is not asked for again.
-                if turns[idx].failure.is_none() {
-                    let taken = detectors[idx].detect(scan, time_s, &mut outputs[idx]);
+                // A scan that was skipped once is not asked for again, nor one that a detector remembers.
+                if turns[idx].failure.is_none() && (repeat == 0 || !detectors[idx].is_in_order()) {
+                    let taken = detectors[idx].detect(asked, &mut outputs[idx]);
                     turns[idx].add(self.unless_skipped(taken)?);
                 }
             }

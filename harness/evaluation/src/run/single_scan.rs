@@ -7,6 +7,7 @@ use reports::numbers::latencies::Latencies;
 use scans::annotation::LabeledScan;
 
 use super::running_detector::RunningDetector;
+use super::scan_in_drive::ScanInDrive;
 use crate::process::problem::DetectorFailure;
 
 /// Results of a detector on a scan.
@@ -54,7 +55,7 @@ pub fn detect_repeatedly(
         if interrupted.load(Ordering::Relaxed) {
             return Err(SingleScanError::Interrupted { n_done, n_repeats });
         }
-        let taken = detector.detect(scan, 0.0, &mut output)?;
+        let taken = detector.detect(&ScanInDrive::alone(scan), &mut output)?;
         whole.extend(taken.wall.map(|it| 1e3 * it.as_secs_f64()));
         for time in &output.stage_times {
             let time_ms = 1e3 * time.duration.as_secs_f64();

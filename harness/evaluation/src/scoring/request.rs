@@ -232,7 +232,7 @@ fn box_of([x, y, z, length, width, height, yaw_rad]: [f32; 7]) -> OrientedBox {
 }
 
 fn foreign(bounding_box: OrientedBox, class: Option<ForeignClass>, score: Option<f32>) -> ForeignBox {
-    ForeignBox { bounding_box, class, score, box_score: None, is_unlikely: false }
+    ForeignBox { bounding_box, class, score, box_score: None, velocity_m_per_s: None, is_unlikely: false }
 }
 
 #[cfg(test)]

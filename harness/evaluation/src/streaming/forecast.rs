@@ -3,14 +3,16 @@
 use nalgebra::{Isometry3, Translation3};
 use reports::rows::match_outcome::BoxFacts;
 use reports::vocabulary::forecast::Forecast;
+use scans::dataset::official::turned_velocity;
 
 use super::logged_drive::{LoggedDetection, LoggedDrive};
 use super::moving::{TimeUs, box_at, pose_of};
 use super::schedule::Answer;
-use super::tracker::Tracker;
+use super::tracker::{Seen, Tracker};
 
 /// The velocities of all detections of each of `answers`, on the ground plan of the frame that rests, in metres per second;
-/// `detections` are those of each scan of `drive`. All are zero unless the forecast needs them.
+/// `detections` are those of each scan of `drive`. All are zero unless the forecast needs them. A detection has the velocity
+/// that its detector gives, or else the one by which the tracker has followed it.
 pub fn velocities(
     forecast: Forecast,
     drive: &LoggedDrive,
@@ -28,8 +30,13 @@ pub fn velocities(
             let at_m = (scan.world_from_sensor * pose_of(&it.facts.bounding_box)).translation;
             [at_m.x, at_m.y]
         };
-        let centers_m: Vec<[f64; 2]> = detections.iter().map(center_m).collect();
-        tracker.step(scan.time_us, &centers_m)
+        let seen = detections.iter().map(|it| Seen { center_m: center_m(it), track: it.facts.motion.track });
+        let tracked = tracker.step(scan.time_us, &seen.collect::<Vec<_>>());
+        let given = |it: &LoggedDetection| {
+            let velocity = it.facts.motion.velocity_m_per_s?.map(f64::from);
+            Some(turned_velocity(velocity, &scan.world_from_sensor.rotation))
+        };
+        detections.iter().zip(tracked).map(|(it, tracked)| given(it).unwrap_or(tracked)).collect()
     };
     answers.iter().map(of_answer).collect()
 }

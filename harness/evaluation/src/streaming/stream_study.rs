@@ -6,7 +6,7 @@ use std::ops::Range;
 use rayon::prelude::*;
 use reports::numbers::tally::Tally;
 use reports::rows::counts::Counts;
-use reports::rows::match_outcome::{BoxFacts, DetectionFacts};
+use reports::rows::match_outcome::{BoxFacts, DetectionFacts, MotionFacts};
 use reports::rows::match_row::MatchRow;
 use reports::rows::scan_row::{ScanNumbers, ScanOutcome, ScanRow};
 use reports::streaming::machine_speed::MachineSpeed;
@@ -336,6 +336,7 @@ fn as_detected(label: &Label) -> Option<LoggedDetection> {
             score: None,
             n_points: facts.n_points,
             bounding_box: facts.bounding_box?,
+            motion: MotionFacts::default(),
         },
         unmatched: match ignored {
             None => Unmatched::False,
@@ -397,7 +398,14 @@ mod tests {
                     centroid_m: None,
                 };
                 let (class, score) = (DetectionClass::Vehicle, Some(0.5));
-                let detection = DetectionFacts { id: 0, class, score, n_points: 100, bounding_box };
+                let detection = DetectionFacts {
+                    id: 0,
+                    class,
+                    score,
+                    n_points: 100,
+                    bounding_box,
+                    motion: MotionFacts::default(),
+                };
                 MatchRow {
                     dataset: dataset.clone(),
                     sequence: sequence.clone(),

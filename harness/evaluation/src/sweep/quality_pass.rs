@@ -18,6 +18,7 @@ use crate::matching::assign::assign;
 use crate::process::problem::DetectorFailure;
 use crate::protocols::chosen_protocols::{ChosenProtocols, ProtocolError};
 use crate::run::rows::{RowsOf, scan_row};
+use crate::run::scan_in_drive::ScanInDrive;
 use crate::run::side_by_side::{DetectionTimes, DetectorScan};
 use crate::scan_pass::ScanPassError;
 use crate::sweep::cells_of_scan::CellsOfScan;
@@ -177,7 +178,8 @@ impl SweepPass<'_> {
                     failure: None,
                     assignments: Vec::new(),
                 };
-                detector.detect(&scan, time.time_s, &mut result.output)?;
+                let asked = ScanInDrive::anywhere(&scan, time.time_s, dataset, scan_indices[scan_idx]);
+                detector.detect(&asked, &mut result.output)?;
                 if let Some(it) = &under_protocols {
                     official.append(it.rows(compared_detector.name, detector, &result.output));
                 }

@@ -6,6 +6,7 @@ use std::time::Duration;
 
 use detector::DetectorOutput;
 
+use crate::run::scan_in_drive::ScanInDrive;
 use crate::sweep::programs::Programs;
 use crate::sweep::quality_pass::{Keep, SweepError, SweepPass, SweptDataset};
 use crate::sweep::scan_at_point::TimedScan;
@@ -77,9 +78,10 @@ impl SweepPass<'_> {
             }
             let description = dataset.description();
             times_ns[point_idx] = programs.at_point(self.plan, point_idx, description, |_, detector| {
-                detector.detect(&scan, 0.0, &mut output)?;
+                let asked = ScanInDrive::anywhere(&scan, 0.0, dataset, scan_indices[scan_idx]);
+                detector.detect(&asked, &mut output)?;
                 let detect = |_| {
-                    let taken = detector.detect(&scan, 0.0, &mut output)?;
+                    let taken = detector.detect(&asked, &mut output)?;
                     Ok(nanoseconds(taken.wall.unwrap_or_default()))
                 };
                 let times = (0..DETECTIONS_PER_SCAN).map(detect).collect();

@@ -12,7 +12,6 @@ from collections.abc import Callable
 from typing import Any, NoReturn
 
 import numpy as np
-from numpy.typing import NDArray
 
 from scanbench.cloud import Cloud
 from scanbench.detections import Detections
@@ -21,7 +20,7 @@ from scanbench.pipe import Pipe, ProtocolError
 from scanbench.result import encode_result
 from scanbench.stage import take_times_ms
 
-PROTOCOL = 1
+PROTOCOLS = (1, 2)
 COLUMN_TYPES = {"x_m": "<f4", "y_m": "<f4", "z_m": "<f4", "intensity": "<f4", "ring": "<u2", "time_offset_s": "<f4"}
 
 WRONGLY_STARTED = """This is a detector: scanbench starts it. Name it in scanbench.toml,
@@ -110,6 +109,7 @@ class Session:
         self.detect: Callable[[Cloud], Detections] | None = None
         self.configuration: Configuration | None = None
         self.memory: mmap.mmap | None = None
+        self.protocol = PROTOCOLS[0]
         self.ended = False
 
     def answer(self, message: dict[str, Any]) -> tuple[dict[str, Any], list[bytes]]:
@@ -131,10 +131,12 @@ class Session:
             return {"message": "error", "text": last_line(error)}, []
 
     def _hello(self, message: dict[str, Any]) -> dict[str, Any]:
-        if message.get("protocol") != PROTOCOL:
+        spoken = set(message.get("protocols", [message.get("protocol")])) & set(PROTOCOLS)
+        if not spoken:
             self.ended = True
-            raise ProtocolError(f"protocol {message.get('protocol')} is not known, only {PROTOCOL}")
-        answer = {"message": "hello", "protocol": PROTOCOL, "name": self.detector.name}
+            raise ProtocolError(f"protocol {message.get('protocol')} is not known, only {PROTOCOLS}")
+        self.protocol = max(spoken)
+        answer = {"message": "hello", "protocol": self.protocol, "name": self.detector.name}
         return {**answer, "version": self.detector.version} if self.detector.version else answer
 
     def _configure(self, message: dict[str, Any]) -> dict[str, Any]:
@@ -150,30 +152,45 @@ class Session:
             threads=message.get("threads", 1),
             parameters=message.get("parameters", {}),
         )
+        wishes = self.detector.wishes(configuration)
+        if wishes and self.protocol < 2:
+            raise ProtocolError(f"{self.detector.name} wants {', '.join(wishes)}, which this scanbench does not know")
         if detect is None or configuration != last:
             # What the last one holds, a model say, is free before the next one is made.
             detect = None
             detect = self.detector.configured(configuration)
         # Else it is for larger memory alone: the detector keeps its state.
         self.detect, self.configuration = detect, configuration
-        return {"message": "configured"}
+        return {"message": "configured", **wishes}
 
     def _scan(self, message: dict[str, Any]) -> tuple[dict[str, Any], list[bytes]]:
         if self.detect is None:
             raise ProtocolError("a scan before `configure`")
         cloud = self._cloud(message)
         take_times_ms()
-        fields, payload = encode_result(self.detect(cloud), len(cloud), self.detector.noise)
+        fields, payload = encode_result(self.detect(cloud), len(cloud), self.detector.noise, self.protocol)
         fields["stages"] = [{"name": name, "ms": round(ms, 4)} for name, ms in take_times_ms().items()]
         return {"message": "result", "number": cloud.number, **fields}, payload
 
     def _cloud(self, message: dict[str, Any]) -> Cloud:
+        number, pose = message["number"], message.get("world_from_sensor")
+        others: dict[str, Any] = {}
+        if self.protocol > 1:
+            others["begins_drive"] = message.get("begins_drive", False)
+            others["world_from_sensor"] = None if pose is None else np.vstack([np.reshape(pose, (3, 4)), [0, 0, 0, 1]])
+            earlier = (
+                Cloud(number, it["name"], it["time_s"], **self._columns(it)) for it in message.get("earlier", [])
+            )
+            others["earlier"] = tuple(earlier)
+        return Cloud(number, message.get("name", ""), message.get("time_s", 0.0), **self._columns(message), **others)
+
+    def _columns(self, message: dict[str, Any]) -> dict[str, Any]:
         n_points = message["n_points"]
-        columns: dict[str, NDArray[Any]] = {}
+        columns: dict[str, Any] = {}
         for column in message["columns"]:
             if (dtype := COLUMN_TYPES.get(column["name"])) is not None:
                 if n_points == 0 or self.memory is None:
                     columns[column["name"]] = np.empty(n_points, dtype)
                 else:
                     columns[column["name"]] = np.frombuffer(self.memory, dtype, n_points, column["offset"])
-        return Cloud(message["number"], message.get("name", ""), message.get("time_s", 0.0), **columns)
+        return columns

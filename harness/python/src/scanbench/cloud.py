@@ -33,6 +33,13 @@ class Cloud:
     """Number of the laser; None where the data have none."""
     time_offset_s: NDArray[np.float32] | None = None
     """Seconds from `time_s` to the measurement; None where the data have none."""
+    world_from_sensor: NDArray[np.float64] | None = None
+    """Pose of the sensor in a frame that rests, 4 × 4; None where it is not known."""
+    earlier: tuple[Cloud, ...] = ()
+    """The scans before this one, the latest first, in the frame of this one; as many as `earlier_scans` of `detector` asks for,
+    fewer at the beginning of a drive."""
+    begins_drive: bool = False
+    """Whether a detector with `in_order` has to forget what it knows."""
 
     def __len__(self) -> int:
         return len(self.x_m)

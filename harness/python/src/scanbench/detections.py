@@ -36,6 +36,10 @@ class Boxes:
     """A number for each box; more is surer."""
     classes: Sequence[str | None] | None = None
     """A class for each box, or None where the detector predicts none."""
+    velocities: ArrayLike | None = None
+    """m × 2: over ground along x and y, in metres per second; NaN where it is not known."""
+    tracks: ArrayLike | None = None
+    """An integer for each box, the same in all scans of a drive for the same object; below 0 for none."""
 
     def __post_init__(self) -> None:
         rows = np.asarray(self.rows, dtype="<f4")
@@ -53,12 +57,14 @@ class Boxes:
         yaws_rad: ArrayLike = 0.0,
         scores: ArrayLike | None = None,
         classes: Sequence[str | None] | None = None,
+        velocities: ArrayLike | None = None,
+        tracks: ArrayLike | None = None,
     ) -> Boxes:
         """Boxes of centres (m × 3), lengths, widths and heights (m × 3), and yaws (m, or one for all)."""
         centers = np.asarray(centers_m, dtype=np.float32).reshape(-1, 3)
         sizes = np.broadcast_to(np.asarray(sizes_m, dtype=np.float32), centers.shape)
         yaws = np.broadcast_to(np.asarray(yaws_rad, dtype=np.float32), len(centers))
-        return cls(np.column_stack([centers, sizes, yaws]), scores, classes)
+        return cls(np.column_stack([centers, sizes, yaws]), scores, classes, velocities, tracks)
 
     def __len__(self) -> int:
         return len(self.array)
@@ -108,6 +114,10 @@ class Detections:
     """A number for each cluster in the order of their labels; scores of boxes belong into `boxes`."""
     classes: Sequence[str | None] | None = None
     """A class for each cluster; classes of boxes belong into `boxes`."""
+    velocities: ArrayLike | None = None
+    """As of `Boxes`, for each cluster."""
+    tracks: ArrayLike | None = None
+    """As of `Boxes`, for each cluster."""
     products: Mapping[str, ArrayLike] = field(default_factory=dict)
     """By name, an integer of 0 to 255 for each point, which the viewer draws as a colour."""
 

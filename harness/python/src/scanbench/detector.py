@@ -37,7 +37,13 @@ class Detector:
     """
 
     def __init__(
-        self, target: Callable[..., Any], name: str | None, version: str | None, noise: Literal[-1, 0]
+        self,
+        target: Callable[..., Any],
+        name: str | None,
+        version: str | None,
+        noise: Literal[-1, 0],
+        earlier_scans: int | str = 0,
+        in_order: bool = False,
     ) -> None:
         if noise not in (-1, 0):
             raise ValueError(f"noise is -1 or 0, not {noise!r}")
@@ -45,9 +51,15 @@ class Detector:
         self.name = name or target.__name__.replace("_", "-")
         self.version = version
         self.noise = noise
+        self.earlier_scans = earlier_scans
+        self.in_order = in_order
         self.overrides: dict[str, Any] = {}
         self.__doc__ = target.__doc__
-        _ = self.signature
+        signature = self.signature
+        if isinstance(earlier_scans, str) and earlier_scans not in signature.parameters:
+            raise TypeError(f"earlier_scans is {earlier_scans!r}, which is no parameter of {self.name}")
+        if (earlier_scans or in_order) and not signature.takes_cloud:
+            raise TypeError(f"{self.name} looks back at its drive: its first argument has to be annotated Cloud")
 
     def __call__(self, *args: Any, **parameters: Any) -> Any:
         """The function itself: tests and other code call it as if nothing stood above it."""
@@ -81,6 +93,15 @@ class Detector:
             made: Any = self.target(**arguments)
             return lambda cloud: Detections.of(made(self._scan(cloud)))
         return lambda cloud: Detections.of(self.target(self._scan(cloud), **arguments))
+
+    def wishes(self, configuration: Configuration) -> dict[str, Any]:
+        """What it wants with every scan, as the answer to `configure` says it."""
+        n = self.earlier_scans
+        if isinstance(n, str):
+            n = {**self.parameters, **self.check(configuration.parameters)}.get(n, 0)
+        if isinstance(n, bool) or not isinstance(n, int) or n < 0:
+            raise ValueError(f"{self.name} looks back at {n!r} scans, which is no number of scans")
+        return {**({"earlier_scans": n} if n else {}), **({"in_order": True} if self.in_order else {})}
 
     def check(self, parameters: Mapping[str, Any]) -> dict[str, Any]:
         """`parameters` as the types that they are annotated with; raises where one is unknown, missing or of another type."""
@@ -171,7 +192,12 @@ def detector(target: Callable[..., Any], /) -> Detector: ...
 
 @overload
 def detector(
-    *, name: str | None = None, version: str | None = None, noise: Literal[-1, 0] = -1
+    *,
+    name: str | None = None,
+    version: str | None = None,
+    noise: Literal[-1, 0] = -1,
+    earlier_scans: int | str = 0,
+    in_order: bool = False,
 ) -> Callable[[Callable[..., Any]], Detector]: ...
 
 
@@ -182,13 +208,18 @@ def detector(
     name: str | None = None,
     version: str | None = None,
     noise: Literal[-1, 0] = -1,
+    earlier_scans: int | str = 0,
+    in_order: bool = False,
 ) -> Detector | Callable[[Callable[..., Any]], Detector]:
     """Makes a function of n × 4 points (or of a `Cloud`, if annotated so) a detector.
 
     It returns an integer for each point, or `Boxes`, or both as a pair, or `Detections`. With `noise=-1`, as in scikit-learn and Open3D,
     labels below 0 are points of no cluster and clusters begin at 0. With `noise=0`, as in SciPy and scikit-image, 0 is no cluster and clusters
     begin at 1. Which of the two is never guessed.
+
+    `Cloud.earlier` holds as many scans before each one as `earlier_scans` says, a number or the name of the parameter that has it. A
+    class that remembers what it saw wants `in_order`: it gets the scans of a drive one after the other, each once.
     """
     if target is not None:
-        return Detector(target, name, version, noise)
-    return lambda function: Detector(function, name, version, noise)
+        return Detector(target, name, version, noise, earlier_scans, in_order)
+    return lambda function: Detector(function, name, version, noise, earlier_scans, in_order)

@@ -10,10 +10,17 @@ from numpy.typing import ArrayLike, NDArray
 from scanbench.detections import MAX_PRODUCTS, Boxes, Detections, check_name
 
 MAX_ID = 2**32 - 1
+NO_TRACK = 2**32 - 1
+MAX_SPEED_M_PER_S = 1000.0
 
 
-def encode_result(detections: Detections, n_points: int, noise: int) -> tuple[dict[str, Any], list[bytes]]:
-    """Fields and payload of the answer; raises ValueError or TypeError where it would be refused."""
+def encode_result(
+    detections: Detections, n_points: int, noise: int, protocol: int = 2
+) -> tuple[dict[str, Any], list[bytes]]:
+    """Fields and payload of the answer; raises ValueError or TypeError where it would be refused.
+
+    Version 1 of the protocol has no place for velocities and tracks.
+    """
     fields: dict[str, Any] = {}
     parts: list[bytes] = []
     boxes = detections.boxes
@@ -37,6 +44,11 @@ def encode_result(detections: Detections, n_points: int, noise: int) -> tuple[di
     if scores is not None:
         fields["scores"] = True
         parts.append(_scores(scores, n_detections).tobytes())
+    for name, encode in [("velocities", _velocities), ("tracks", _tracks)]:
+        values = _either(name, getattr(detections, name), boxes)
+        if values is not None and protocol > 1:
+            fields[name] = True
+            parts.append(encode(values, n_detections).tobytes())
     classes = _either("classes", detections.classes, boxes)
     if classes is not None:
         fields["classes"] = _classes(list(classes), n_detections)
@@ -92,6 +104,32 @@ def _scores(scores: ArrayLike, n_detections: int) -> NDArray[np.float32]:
     if not np.isfinite(array).all():
         raise ValueError(f"score {int((~np.isfinite(array)).argmax())} is not a finite number")
     return array
+
+
+def _velocities(velocities: ArrayLike, n_detections: int) -> NDArray[np.float32]:
+    array = np.asarray(velocities, dtype="<f4")
+    if array.size == 0 and n_detections == 0:
+        return array
+    if array.shape != (n_detections, 2):
+        raise ValueError(
+            f"velocities are of shape {array.shape} for {n_detections} detections, not ({n_detections}, 2)"
+        )
+    unknown = np.isnan(array).all(axis=1)
+    wrong = ~unknown & ~(np.abs(array) <= MAX_SPEED_M_PER_S).all(axis=1)
+    if wrong.any():
+        raise ValueError(f"velocity {int(wrong.argmax())} is neither known nor NaN, or above {MAX_SPEED_M_PER_S:g} m/s")
+    return array
+
+
+def _tracks(tracks: ArrayLike, n_detections: int) -> NDArray[np.uint32]:
+    array = np.asarray(tracks)
+    if array.size == 0 and n_detections == 0:
+        return np.empty(0, "<u4")
+    if array.shape != (n_detections,) or not np.issubdtype(array.dtype, np.integer):
+        raise ValueError(f"tracks are {array.dtype} of shape {array.shape}, not {n_detections} integers")
+    if int(array.max()) >= NO_TRACK:
+        raise ValueError(f"track {int(array.max())} is too large")
+    return np.where(array < 0, NO_TRACK, array.astype(np.int64)).astype("<u4")
 
 
 def _classes(classes: list[str | None], n_detections: int) -> list[str | None]:

@@ -17,6 +17,7 @@ use evaluation::run::config::RunConfig;
 use evaluation::run::detector_list::ChosenDetector;
 use evaluation::run::foreign_detector::{ForeignDetector, ForeignProcess, ForeignWork, VehicleRule};
 use evaluation::run::running_detector::RunningDetector;
+use evaluation::run::scan_in_drive::ScanInDrive;
 use reports::files::hidden_folder::HiddenFolder;
 use reports::rows::official_rows::OfficialRows;
 use reports::vocabulary::class::AnnotationClass;
@@ -150,7 +151,7 @@ impl Doors {
     ) -> Result<Vec<OfficialRows>, Failure> {
         let mut output = DetectorOutput::default();
         let rows = self.detectors.iter_mut().map(|(door, detector)| {
-            detector.detect(scan, 0.0, &mut output)?;
+            detector.detect(&ScanInDrive::alone(scan), &mut output)?;
             Ok(under.rows(door.name(), &**detector, &output))
         });
         rows.collect()
@@ -169,7 +170,7 @@ impl Doors {
         self.annotated.extend(scan.annotations.iter().map(|it| it.class));
         let mut output = DetectorOutput::default();
         for (door, detector) in &mut self.detectors {
-            detector.detect(scan, 0.0, &mut output)?;
+            detector.detect(&ScanInDrive::alone(scan), &mut output)?;
             for task in tasks.iter().filter(|it| door.carries(**it)) {
                 let assignment = assign(scan, &output.detections, *task, annotated, &params);
                 *self.checks.entry((*door, *task)).or_default() += Counts::of(&assignment);

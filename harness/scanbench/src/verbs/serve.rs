@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 
 use detector::{Detector, DetectorOutput, OrientedBox};
 use evaluation::process::message::{
-    Answer, AskedScan, Configuration, Introduction, PROTOCOL, Question, line_of, parse_line,
+    Answer, AskedScan, Configuration, Introduction, PROTOCOLS, Question, Wishes, line_of, parse_line,
 };
 use evaluation::process::received_cloud::ReceivedCloud;
 use evaluation::process::supervisor::{READ_FD, WRITE_FD};
@@ -95,9 +95,8 @@ struct Server {
 impl Server {
     fn answer(&mut self, question: Question) -> io::Result<()> {
         match question {
-            Question::Hello { protocol, .. } if protocol != PROTOCOL => {
-                self.say(&Answer::Error { text: format!("this is protocol {PROTOCOL}, not {protocol}") })
-            }
+            Question::Hello { protocol, .. } if protocol != PROTOCOLS[0] => self
+                .say(&Answer::Error { text: format!("this is protocol {}, not {protocol}", PROTOCOLS[0]) }),
             Question::Hello { extensions, .. } => {
                 self.extent = Extent::of(&extensions);
                 let name = match &self.served {
@@ -107,11 +106,11 @@ impl Server {
                 };
                 let name = name.to_owned();
                 let version = Some(env!("CARGO_PKG_VERSION").to_owned());
-                self.say(&Answer::Hello(Introduction { protocol: PROTOCOL, name, version }))
+                self.say(&Answer::Hello(Introduction { protocol: PROTOCOLS[0], name, version }))
             }
             Question::Configure(configuration) => {
                 let answer = match self.configure(&configuration) {
-                    Ok(()) => Answer::Configured,
+                    Ok(()) => Answer::Configured(Wishes::default()),
                     Err(text) => Answer::Error { text },
                 };
                 self.say(&answer)

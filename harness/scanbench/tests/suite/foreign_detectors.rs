@@ -1,11 +1,12 @@
 //! Detectors that are programs of their own: served ones, and ones that misbehave in every way that the protocol names.
 #![expect(clippy::unwrap_used, reason = "a test may panic")]
 
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 use std::process::Command;
 use std::time::{Duration, Instant};
 
 use crate::program::{Ended, Workplace};
+use crate::shard_folders::merge_whole;
 
 const QUIET: &str = "--no-rrd -q -o out";
 /// Scans of the drive.
@@ -228,5 +229,89 @@ fn lasers_and_times_of_points_are_sent_where_the_data_have_them() {
         without.stderr.contains("ring") && !without.stderr.contains("time_offset_s"),
         "{}",
         without.stderr
+    );
+}
+
+/// A catalogue of two simulated drives of four scans, a tenth of a second apart, and a detector `odd`.
+fn workplace_with_drives(behaviour: &str) -> Workplace {
+    let workplace = workplace_with(behaviour, "");
+    let street =
+        "[simulated.drives]\nstreet = \"street-main-road\"\nseed = 9001\nn_scans = 8\nturns_per_scan = 1\n";
+    workplace.write("mine.toml", &format!("{street}scans_per_drive = 4\nsensor = \"vlp-16\"\n"));
+    workplace
+}
+
+/// Of each scan the track and the velocity of its detections, of which there are as many as the track says.
+fn motions(workplace: &Workplace, run: &str) -> Vec<(usize, String)> {
+    let mut reader = csv::Reader::from_path(workplace.path(run).join("matches.csv")).unwrap();
+    let mut of_scans: BTreeMap<(String, u32), Vec<(usize, String)>> = BTreeMap::new();
+    for row in reader.deserialize().map(|it| -> BTreeMap<String, String> { it.unwrap() }) {
+        if row["detector"] == "odd" && row["task"] == "objects" && !row["detection_id"].is_empty() {
+            let velocity = ["x", "y"].map(|it| row[&format!("detection_velocity_{it}_m_per_s")].clone());
+            let motion = (row["detection_track"].parse().unwrap(), velocity.join(" "));
+            of_scans.entry((row["sequence"].clone(), row["scan"].parse().unwrap())).or_default().push(motion);
+        }
+    }
+    let same = |it: Vec<(usize, String)>| {
+        assert!(it.iter().all(|other| *other == it[0]) && it.len() == it[0].0, "{it:?}");
+        it[0].clone()
+    };
+    of_scans.into_values().map(same).collect()
+}
+
+#[test]
+fn scans_of_a_drive_come_in_order_with_those_before_whatever_part_is_run() {
+    let workplace = workplace_with_drives("remembers");
+    let run = "run drives --catalogue mine.toml --no-rrd -q";
+    workplace.succeed(&format!("{run} -d odd,simple-grid --warmup 3 --repeats 2 -o whole"));
+    let of_drive = [(1, "0.0000 0.0000"), (2, "1.0000 0.1000"), (3, "2.0000 0.1000"), (4, "2.0000 0.1000")];
+    let expected: Vec<(usize, String)> =
+        of_drive.iter().chain(&of_drive).map(|(n, it)| (*n, (*it).to_owned())).collect();
+    assert_eq!(motions(&workplace, "whole"), expected);
+    // Every scan is timed once, and after the warm-up.
+    let mut reader = csv::Reader::from_path(workplace.path("whole/scans.csv")).unwrap();
+    for row in reader.deserialize().map(|it| -> BTreeMap<String, String> { it.unwrap() }) {
+        let is_timed_once = row["latency_ms"] == row["least_latency_ms"] && !row["latency_ms"].is_empty();
+        assert!(is_timed_once || row["detector"] != "odd", "{row:?}");
+    }
+    for shard in 1..=3 {
+        workplace.succeed(&format!("{run} -d odd,simple-grid --shard {shard}/3 -o parts"));
+    }
+    merge_whole(&workplace, "parts", "merged");
+    assert_eq!(motions(&workplace, "merged"), expected);
+    // Scans that are not selected are not remembered, but they are among those before.
+    workplace.succeed(&format!("{run} -d odd --scans 1..8:2 -o some"));
+    let some = motions(&workplace, "some");
+    let expected: Vec<(usize, String)> = [(1, "1.0000 0.1000"), (2, "2.0000 0.1000")]
+        .iter()
+        .cycle()
+        .take(4)
+        .map(|(n, it)| (*n, (*it).to_owned()))
+        .collect();
+    assert_eq!(some, expected);
+}
+
+#[test]
+fn what_a_detector_asks_for_and_the_data_lack_is_said() {
+    let workplace = workplace_with_drives("remembers");
+    let refuse = |workplace: &Workplace, arguments: &str, expected: &str| {
+        workplace.end_with(arguments, 6, &[]).check_refusal(6, &["the detector \"odd\" failed", expected]);
+    };
+    refuse(
+        &workplace,
+        "detect drives --catalogue mine.toml --scan main-road-9001/000000 -d odd",
+        "asks for the scans of a drive in order, which `scanbench run` alone gives",
+    );
+    let workplace = workplace_with_drives("looks-back");
+    workplace.succeed("sweep drives --catalogue mine.toml -d odd -P most=1:2:1 --no-rrd -q");
+    refuse(
+        &workplace,
+        "run street -d odd --no-rrd -q",
+        "asks for 2 earlier scans in the frame of each, and street",
+    );
+    refuse(
+        &workplace_with_drives("looks-far-back"),
+        "run street -d odd --no-rrd -q",
+        "asks for 101 earlier scans, more than 100",
     );
 }

@@ -8,10 +8,15 @@ use std::io::{BufRead as _, BufReader, Write as _};
 use std::process::{Command, Stdio};
 use std::time::Duration;
 
-use evaluation::process::message::{Answer, Introduction, Question, ResultLine, line_of, parse_line};
+use evaluation::process::message::{
+    Answer, AskedScan, Introduction, Question, ResultLine, Wishes, line_of, parse_line,
+};
 
 /// The scan at which it misbehaves, from 1: warmed up on the first before.
 const GUILTY: u64 = 5;
+
+/// Behaviours of version 2 of the protocol.
+const KNOWS_DRIVES: [&str; 3] = ["remembers", "looks-back", "looks-far-back"];
 
 /// Not a test unless somebody started it as a detector.
 #[test]
@@ -33,6 +38,7 @@ struct Odd {
     writing: File,
     most: usize,
     n_asked: u64,
+    n_remembered: usize,
 }
 
 impl Odd {
@@ -46,6 +52,7 @@ impl Odd {
             writing: end("SCANBENCH_WRITE_FD", OpenOptions::new().write(true)),
             most: 1,
             n_asked: 0,
+            n_remembered: 0,
         }
     }
 
@@ -68,8 +75,15 @@ impl Odd {
             Question::Configure(configuration) => {
                 let most = configuration.parameters.get("most").and_then(serde_json::Value::as_u64);
                 self.most = most.unwrap_or(1) as usize;
-                self.say(&line_of(&Answer::Configured, 0).unwrap());
+                let wishes = match self.behaviour.as_str() {
+                    "remembers" => Wishes { earlier_scans: 2, in_order: true },
+                    "looks-back" => Wishes { earlier_scans: 2, in_order: false },
+                    "looks-far-back" => Wishes { earlier_scans: 101, in_order: false },
+                    _ => Wishes::default(),
+                };
+                self.say(&line_of(&Answer::Configured(wishes), 0).unwrap());
             }
+            Question::Scan(scan) if KNOWS_DRIVES.contains(&self.behaviour.as_str()) => self.remember(&scan),
             Question::Scan(scan) => {
                 self.n_asked += 1;
                 let is_first_life = !std::path::Path::new("misbehaved").exists();
@@ -113,9 +127,31 @@ impl Odd {
             child.args(["100"]).env("LC_ALL", "C").stdin(Stdio::null());
             child.spawn().unwrap();
         }
-        let protocol = if self.behaviour == "another-protocol" { 99 } else { 1 };
+        let protocol = match self.behaviour.as_str() {
+            "another-protocol" => 99,
+            it if KNOWS_DRIVES.contains(&it) => 2,
+            _ => 1,
+        };
         let answer = Answer::Hello(Introduction { protocol, name: "odd".to_owned(), version: None });
         self.say(&line_of(&answer, 0).unwrap());
+    }
+
+    /// As many clusters as scans of the drive are remembered, each a point. The velocity says how many scans came along, and
+    /// how many seconds ago the latest of them was; the track how many scans are remembered.
+    fn remember(&mut self, scan: &AskedScan) {
+        self.n_remembered = if scan.begins_drive { 1 } else { self.n_remembered + 1 };
+        let n = if self.behaviour == "remembers" { self.n_remembered } else { 1 };
+        let ids = (1..=scan.n_points as u32).map(|it| if it as usize <= n { it } else { 0 });
+        assert!(scan.world_from_sensor.is_some() && scan.earlier.iter().all(|it| it.time_s < scan.time_s));
+        let before_s = scan.earlier.first().map_or(0.0, |it| scan.time_s - it.time_s) as f32;
+        let velocity = [scan.earlier.len() as f32, before_s];
+        let payload: Vec<u8> = ids
+            .flat_map(u32::to_le_bytes)
+            .chain((0..n).flat_map(|_| velocity).flat_map(f32::to_le_bytes))
+            .chain((0..n).flat_map(|_| (self.n_remembered as u32).to_le_bytes()))
+            .collect();
+        let line = ResultLine { number: scan.number, clusters: true, ..ResultLine::default() };
+        self.say(&message(ResultLine { velocities: true, tracks: true, ..line }, &payload));
     }
 
     fn misbehave(&mut self, behaviour: &str, line: ResultLine, ids: &[u8]) {

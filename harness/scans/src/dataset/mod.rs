@@ -6,6 +6,7 @@ use nalgebra::Isometry3;
 use reports::vocabulary::class::AnnotationClass;
 use reports::vocabulary::task::Task;
 
+use self::earlier_scans::Sweep;
 use self::foreign_frame::ForeignFrame;
 use self::kitti::label::KittiLabel;
 use self::official::OfficialScan;
@@ -47,6 +48,8 @@ pub mod unpaired_files;
 pub mod scan_sizes;
 pub mod foreign_frame;
 pub mod official;
+pub mod scan_times;
+pub mod earlier_scans;
 pub mod folder_name;
 
 // The formats, a folder each.
@@ -68,7 +71,6 @@ pub mod download;
 pub mod catalogue;
 pub mod open;
 pub mod scan_selection;
-pub mod scan_times;
 
 pub use error::DatasetError;
 
@@ -149,6 +151,12 @@ pub trait Dataset: Send + Sync {
     /// Pose of the sensor at scan `scan_idx`, in a frame that rests, if the files state it.
     fn world_from_sensor(&self, scan_idx: usize) -> Result<Option<Isometry3<f64>>, DatasetError> {
         self.inner().map_or(Ok(None), |it| it.world_from_sensor(scan_idx))
+    }
+
+    /// The last `n` scans that were taken before scan `scan_idx` in its drive, the latest first, annotated or not; `None` if
+    /// all scans of the drive are in [`Self::scan_ids`].
+    fn sweeps_before(&self, scan_idx: usize, n: usize) -> Result<Option<Vec<Sweep>>, DatasetError> {
+        self.inner().map_or(Ok(None), |it| it.sweeps_before(scan_idx, n))
     }
 
     /// The labels of the points of scan `scan_idx`, which is `scan`, in SemanticKITTI's format; `None` in other formats.

@@ -6,6 +6,7 @@ use detector::OrientedBox;
 use nalgebra::{Isometry3, Matrix3, Rotation3, Translation3, UnitQuaternion, Vector3};
 use reports::files::regular_file::read_settings_text;
 
+use super::earlier_scans::{Sweep, moved};
 use super::foreign_frame::ForeignFrame;
 use super::shown_name::shown;
 use super::upright_box::{pose_of_box, upright_box};
@@ -80,6 +81,17 @@ impl Dataset for MountedDataset {
         Ok(world_from_file.map(|it| it * self.file_from_sensor()))
     }
 
+    fn sweeps_before(&self, scan_idx: usize, n: usize) -> Result<Option<Vec<Sweep>>, DatasetError> {
+        let file_from_sensor = self.file_from_sensor();
+        let mounted = |it: Sweep| Sweep {
+            world_from_sensor: it.world_from_sensor * file_from_sensor,
+            cloud: moved(it.cloud, &file_from_sensor.inverse()),
+            ..it
+        };
+        let sweeps = self.dataset.sweeps_before(scan_idx, n)?;
+        Ok(sweeps.map(|it| it.into_iter().map(mounted).collect()))
+    }
+
     fn foreign_frame(&self, scan_idx: usize) -> Result<ForeignFrame, DatasetError> {
         let frame = self.dataset.foreign_frame(scan_idx)?;
         let file_from_sensor = self.file_from_sensor();
@@ -116,10 +128,7 @@ impl MountedDataset {
 }
 
 fn move_scan(scan: &mut LabeledScan, sensor_from_file: &Isometry3<f64>) {
-    scan.cloud.move_points(|position_m| {
-        let moved_m = sensor_from_file * nalgebra::Point3::from(position_m.map(f64::from));
-        [moved_m.x, moved_m.y, moved_m.z].map(|it| it as f32)
-    });
+    scan.cloud = moved(std::mem::take(&mut scan.cloud), sensor_from_file);
     for bounding_box in scan.annotations.iter_mut().filter_map(|it| it.bounding_box.as_mut()) {
         *bounding_box = moved_box(bounding_box, sensor_from_file);
     }

@@ -1,7 +1,7 @@
 //! Labels and results as the makers of a data set evaluate them: as in their files, without our classes and single
 //! precision.
 
-use nalgebra::{Isometry3, Vector3};
+use nalgebra::{Isometry3, UnitQuaternion, Vector3};
 
 /// The labels of a scan.
 #[derive(Debug, Clone, PartialEq)]
@@ -53,10 +53,16 @@ impl OfficialObject {
     }
 }
 
+/// A velocity on the ground plan, seen from a frame that is turned.
+pub fn turned_velocity([x, y]: [f64; 2], turn: &UnitQuaternion<f64>) -> [f64; 2] {
+    let turned = turn * Vector3::new(x, y, 0.0);
+    [turned.x, turned.y]
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
-    use nalgebra::{Translation3, UnitQuaternion};
+    use nalgebra::Translation3;
 
     #[test]
     fn a_heading_is_that_on_the_ground_plan() {

@@ -8,7 +8,7 @@ use super::{Dataset, Nearness};
 use crate::annotation::ScanId;
 
 /// Seconds from one scan number to the next where a data set has no times.
-const SECONDS_PER_NUMBER: f64 = 0.1;
+pub(super) const SECONDS_PER_NUMBER: f64 = 0.1;
 
 /// The time of a scan.
 #[derive(Debug, Clone, PartialEq)]

@@ -136,6 +136,7 @@ impl ResultReader for Argoverse2Tables {
             class: Some(ForeignClass::of(&it.category, it.class)),
             score: Some(it.score as f32),
             box_score: None,
+            velocity_m_per_s: None,
             is_unlikely: it.is_unlikely,
         });
         let official = found.iter().map(|it| OfficialObject {

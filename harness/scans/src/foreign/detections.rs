@@ -40,6 +40,8 @@ pub struct ForeignBox {
     pub score: Option<f32>,
     /// How sure it is of the box, if files have a score for this as well.
     pub box_score: Option<f32>,
+    /// Velocity over ground along x and y of the frame of the scan, in metres per second, if files have one.
+    pub velocity_m_per_s: Option<[f32; 2]>,
     /// Whether only protocols that rank boxes count it: so are unlikely vehicles in files of our own detectors.
     pub is_unlikely: bool,
 }
@@ -112,6 +114,7 @@ pub(crate) mod tests {
             class: Some(AnnotationClass::Car.into()),
             score: Some(0.5),
             box_score: None,
+            velocity_m_per_s: None,
             is_unlikely: false,
         }
     }

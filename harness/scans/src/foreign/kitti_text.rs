@@ -132,6 +132,7 @@ fn box_of(object: &KittiObject, velodyne_from_camera: &Matrix4<f64>) -> ForeignB
         class: Some(object.class.into()),
         score: object.score.map(|it| it as f32),
         box_score: None,
+        velocity_m_per_s: None,
         is_unlikely: object.in_image.occlusion == UNLIKELY_OCCLUSION,
     }
 }

@@ -24,7 +24,7 @@ use crate::annotation::LabeledScan;
 use crate::dataset::DatasetError;
 use crate::dataset::class_table::ClassReader;
 use crate::dataset::foreign_frame::ForeignFrame;
-use crate::dataset::official::OfficialObject;
+use crate::dataset::official::{OfficialObject, turned_velocity};
 use crate::dataset::pose::pose;
 use crate::dataset::python_json::{check_finite, number_or_none, numbers, numbers_or_none, python_json};
 use crate::dataset::upright_box::upright_box;
@@ -148,6 +148,10 @@ impl BoxRecord {
             class: Some(ForeignClass::of(&self.detection_name, class)),
             score: self.detection_score.map(|it| it as f32),
             box_score: None,
+            velocity_m_per_s: self
+                .velocity
+                .map(|it| turned_velocity(it, &sensor_from_world.rotation).map(|it| it as f32))
+                .filter(|it| it.iter().all(|it| it.is_finite())),
             is_unlikely: self.unlikely,
         })
     }

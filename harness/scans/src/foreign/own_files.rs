@@ -222,7 +222,7 @@ impl BoxColumns {
             length_width_height_m: [length_m, width_m, height_m],
             yaw_rad,
         };
-        Ok(Some(ForeignBox { bounding_box, class, score, box_score, is_unlikely }))
+        Ok(Some(ForeignBox { bounding_box, class, score, box_score, velocity_m_per_s: None, is_unlikely }))
     }
 }
 

@@ -154,6 +154,7 @@ impl RecordedDetections {
                 class,
                 score: object.score,
                 box_score: None,
+                velocity_m_per_s: None,
                 is_unlikely: false,
             }));
         }

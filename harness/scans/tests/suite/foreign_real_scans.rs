@@ -98,6 +98,7 @@ fn check_round_trip(output: ResultOutput, dataset: &dyn Dataset, folder: &std::p
                 class: Some(AnnotationClass::Car.into()),
                 score,
                 box_score: None,
+                velocity_m_per_s: None,
                 is_unlikely: false,
             });
         }

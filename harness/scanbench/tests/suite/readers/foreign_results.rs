@@ -66,6 +66,7 @@ fn echo(dataset: &dyn Dataset, scan_idx: usize) -> (DetectorOutput, Vec<ForeignB
             class: Some(AnnotationClass::Car.into()),
             score,
             box_score: box_details.score,
+            velocity_m_per_s: None,
             is_unlikely: false,
         });
     }
@@ -76,6 +77,7 @@ fn echo(dataset: &dyn Dataset, scan_idx: usize) -> (DetectorOutput, Vec<ForeignB
         boxes.push(ForeignBox {
             score: unlikely.score,
             box_score: box_details.score,
+            velocity_m_per_s: None,
             is_unlikely: true,
             ..first
         });

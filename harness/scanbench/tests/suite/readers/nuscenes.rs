@@ -1,6 +1,7 @@
 //! nuScenes, made of a simulated drive: there is no real one here.
 
 use reports::vocabulary::class::{AnnotationClass, Occlusion};
+use scans::dataset::earlier_scans::EarlierScans;
 
 use super::made::{boxed, nuscenes, scans, street, write};
 use super::{check_damaged, open, try_open};
@@ -45,6 +46,35 @@ fn a_scene_is_read_as_it_was_made() {
     }
     workplace.succeed("selftest .");
     workplace.succeed("run v1.0-mini -d pca --no-rrd");
+}
+
+#[test]
+fn sweeps_between_keyframes_are_in_the_frame_of_a_scan_that_comes_later() {
+    let workplace = Workplace::new();
+    nuscenes(workplace.folder(), &*street(2));
+    let dataset = open(workplace.folder());
+    let [before, scan] = [0, 1].map(|it| dataset.read_scan(it).unwrap());
+    let earlier = |n| EarlierScans::default().before(&*dataset, (1, &scan), n).unwrap().unwrap();
+    let [sweep, keyframe] = &earlier(9)[..] else { panic!("{:?}", earlier(9).len()) };
+    assert_eq!(earlier(1), std::slice::from_ref(sweep));
+    assert_eq!((sweep.name.as_str(), keyframe.name.as_str()), ("scene-0061/0", "scene-0061/0"));
+    assert!((sweep.before_s - 0.3).abs() < 1e-9 && (keyframe.before_s - 0.5).abs() < 1e-9, "{sweep:?}");
+    let [world_from_first, world_from_second] =
+        [0, 1].map(|it| dataset.world_from_sensor(it).unwrap().unwrap());
+    for cloud in [&sweep.cloud, &keyframe.cloud] {
+        assert_eq!(cloud.ring(), before.cloud.ring());
+        for (moved_m, position_m) in cloud.positions_m().zip(before.cloud.positions_m()) {
+            let expected = world_from_second.inverse()
+                * world_from_first
+                * nalgebra::Point3::from(position_m.map(f64::from));
+            let off_m = expected - nalgebra::Point3::from(moved_m.map(f64::from));
+            assert!(off_m.norm() < 1e-4, "{off_m}");
+        }
+    }
+    // Without the files of the sweeps, detectors that look back are told which one is missing.
+    std::fs::remove_file(workplace.path("sweeps/LIDAR_TOP/0.pcd.bin")).unwrap();
+    let error = EarlierScans::default().before(&*dataset, (1, &scan), 1).unwrap_err();
+    assert!(error.to_string().contains("sweeps/LIDAR_TOP/0.pcd.bin"), "{error}");
 }
 
 #[test]

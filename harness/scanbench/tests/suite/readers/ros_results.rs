@@ -22,6 +22,7 @@ fn detections_of_ros_are_carried_into_the_frame_of_the_cloud() {
             class: Some(AnnotationClass::Car.into()),
             score: Some(0.7),
             box_score: None,
+            velocity_m_per_s: None,
             is_unlikely: false,
         };
         check_same_boxes(found, &[expected]);

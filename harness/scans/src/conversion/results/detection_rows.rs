@@ -3,7 +3,7 @@
 use detector::detection::SeenSides;
 use detector::{BoxDetails, DetectedClass, Detection, Detections, OrientedBox};
 use reports::rows::box_row::{BoxDetailFacts, BoxRow};
-use reports::rows::match_outcome::{BoxFacts, DetectionFacts};
+use reports::rows::match_outcome::{BoxFacts, DetectionFacts, MotionFacts};
 use reports::vocabulary::class::{AnnotationClass, DetectionClass};
 
 /// The score of detections without one, where a format has to have one.
@@ -17,6 +17,10 @@ pub fn detection_facts(index: usize, detection: &Detection<'_>) -> DetectionFact
         score: detection.score,
         n_points: detection.point_indices.len() as u64,
         bounding_box: box_facts(&detection.bounding_box),
+        motion: MotionFacts {
+            velocity_m_per_s: detection.box_details.velocity_m_per_s,
+            track: detection.box_details.track,
+        },
     }
 }
 

@@ -1,7 +1,7 @@
 //! A submission of nuScenes: `results_nusc.json`, boxes in the frame of the world.
 //!
 //! Detections have the name for the class that their detector gives. Vehicles without one are `car`. Other objects have no
-//! name there and are left out. Velocities are 0 and attributes empty.
+//! name there and are left out. Velocities are those that the detector gives, or 0; attributes are empty.
 //!
 //! The score is that of the box; a detection without one has 1. The format wants it between 0 and 1: where any is outside,
 //! all are taken as log odds and written as probabilities, in the same order. A key of ours says which vehicles are unlikely.
@@ -15,7 +15,7 @@ use super::detection_rows::SCORE_OF_NONE;
 use super::{CompleteFiles, ResultFile, ResultWriter, ranked, unwritable};
 use crate::annotation::LabeledScan;
 use crate::dataset::foreign_frame::ForeignFrame;
-use crate::dataset::official::UNLIKELY;
+use crate::dataset::official::{UNLIKELY, turned_velocity};
 use crate::dataset::upright_box::pose_of_box;
 
 /// The name of the file.
@@ -43,12 +43,15 @@ impl ResultWriter for NuScenesResults {
             let at = world_from_box.translation.vector;
             let turn = world_from_box.rotation;
             let [length_m, width_m, height_m] = detection.bounding_box.length_width_height_m.map(f64::from);
+            // Without a velocity an object counts as standing still.
+            let velocity = detection.box_details.velocity_m_per_s.unwrap_or_default().map(f64::from);
+            let velocity = turned_velocity(velocity, &world_from_sensor.rotation);
             let mut record = json!({
                 "sample_token": sample_token,
                 "translation": [at.x, at.y, at.z],
                 "size": [width_m, length_m, height_m],
                 "rotation": [turn.w, turn.i, turn.j, turn.k],
-                "velocity": [0.0, 0.0],
+                "velocity": velocity,
                 "detection_name": name,
                 "detection_score": score,
                 "attribute_name": "",

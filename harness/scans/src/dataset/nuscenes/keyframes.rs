@@ -3,24 +3,28 @@
 //! ```text
 //! v1.0-NAME/*.json                     the tables; of several versions one is named
 //! samples/LIDAR_TOP/NAME.pcd.bin       the scans that are annotated: x, y, z, intensity, ring as f32
+//! sweeps/LIDAR_TOP/NAME.pcd.bin        the scans between them, for detectors that look back
 //! ```
 
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
+use std::sync::OnceLock;
 
 use nalgebra::Isometry3;
 use reports::vocabulary::class::AnnotationClass;
 
-use super::lidar_tables::{Keyframe, LidarTables, read_keyframes};
+use super::lidar_tables::{Keyframe, LidarTables, ScansOfScenes, read_all_scans, read_keyframes};
 use super::world_objects::WorldObject;
 use crate::annotation::{Annotation, LabeledScan, ScanId};
 use crate::dataset::checksum::DatasetChecksum;
 use crate::dataset::class_table::ClassReader;
 use crate::dataset::dataset_format::DatasetFormat;
+use crate::dataset::earlier_scans::Sweep;
 use crate::dataset::foreign_frame::ForeignFrame;
 use crate::dataset::official::OfficialScan;
 use crate::dataset::point_columns::PointColumns;
 use crate::dataset::points_of_boxes::assign_points_in_boxes;
+use crate::dataset::positioned_points::PositionedPoints;
 use crate::dataset::scan_columns::ScanColumns;
 use crate::dataset::source::DatasetSource;
 use crate::dataset::{Dataset, DatasetError, Listing, labels_without_scan};
@@ -67,10 +71,13 @@ const TABLES: [&str; 11] = [
 struct NuScenes {
     // Invariant: `scan_ids` and `keyframes` have the same length and order.
     listing: Listing,
+    tables: PathBuf,
     scans: PathBuf,
     columns: ScanColumns,
     keyframes: Vec<Keyframe>,
     samples_without_scan: BTreeSet<String>,
+    // Read when somebody asks for scans between keyframes: the tables have five times as many of them.
+    all_scans: OnceLock<ScansOfScenes>,
 }
 
 /// Whether `folder` is that of nuScenes, or of one of its versions.
@@ -122,7 +129,34 @@ pub fn open_nuscenes(mut source: DatasetSource) -> Result<Box<dyn Dataset>, Data
     let columns = ScanColumns::new(source.columns.clone(), PointColumns::of_nuscenes(), &paths);
     let description = source.describe(DatasetFormat::NuScenes, checksum.finish());
     let listing = Listing { description, scan_ids };
-    Ok(Box::new(NuScenes { listing, scans, columns, keyframes, samples_without_scan }))
+    Ok(Box::new(NuScenes {
+        listing,
+        tables: version,
+        scans,
+        columns,
+        keyframes,
+        samples_without_scan,
+        all_scans: OnceLock::new(),
+    }))
+}
+
+impl NuScenes {
+    fn read_points(&self, file: &Path) -> Result<PositionedPoints, DatasetError> {
+        // To the right, ahead and up; the intensity is a byte, scaled to the range of other sensors.
+        let points = self.columns.read(&self.scans.join(file))?;
+        Ok(points.converted(|[right_m, forward_m, up_m], intensity| {
+            ([forward_m, -right_m, up_m], intensity / 255.0)
+        }))
+    }
+
+    fn all_scans(&self) -> Result<&ScansOfScenes, DatasetError> {
+        if let Some(read) = self.all_scans.get() {
+            return Ok(read);
+        }
+        let scenes = self.keyframes.iter().map(|it| it.scene.clone()).collect();
+        let read = read_all_scans(&self.tables, &scenes)?;
+        Ok(self.all_scans.get_or_init(|| read))
+    }
 }
 
 impl Dataset for NuScenes {
@@ -132,10 +166,7 @@ impl Dataset for NuScenes {
 
     fn read_scan(&self, scan_idx: usize) -> Result<LabeledScan, DatasetError> {
         let keyframe = &self.keyframes[scan_idx];
-        // To the right, ahead and up; the intensity is a byte, scaled to the range of other sensors.
-        let points = self.columns.read(&self.scans.join(&keyframe.file))?.converted(
-            |[right_m, forward_m, up_m], intensity| ([forward_m, -right_m, up_m], intensity / 255.0),
-        );
+        let points = self.read_points(&keyframe.file)?;
         let mut annotations: Vec<Annotation> =
             keyframe.objects.iter().filter_map(|it| it.annotation(&keyframe.world_from_sensor)).collect();
         assign_points_in_boxes(points.cloud(), &mut annotations);
@@ -158,6 +189,22 @@ impl Dataset for NuScenes {
 
     fn world_from_sensor(&self, scan_idx: usize) -> Result<Option<Isometry3<f64>>, DatasetError> {
         Ok(Some(self.keyframes[scan_idx].world_from_sensor))
+    }
+
+    fn sweeps_before(&self, scan_idx: usize, n: usize) -> Result<Option<Vec<Sweep>>, DatasetError> {
+        if n == 0 {
+            return Ok(Some(Vec::new()));
+        }
+        let Keyframe { scene, time_ns, .. } = &self.keyframes[scan_idx];
+        let of_scene = self.all_scans()?.get(scene).map_or(&[][..], Vec::as_slice);
+        let before = of_scene.iter().rev().filter(|(at_ns, ..)| at_ns < time_ns).take(n);
+        let sweep = |(time_ns, file, world_from_sensor): &(u64, PathBuf, Isometry3<f64>)| {
+            let name = file.file_name().unwrap_or_default().to_string_lossy();
+            let name = name.split('.').next().unwrap_or_default().to_owned();
+            let (cloud, _) = self.read_points(file)?.into_parts();
+            Ok(Sweep { name, time_ns: *time_ns, world_from_sensor: *world_from_sensor, cloud })
+        };
+        before.map(sweep).collect::<Result<_, _>>().map(Some)
     }
 
     fn foreign_frame(&self, scan_idx: usize) -> Result<ForeignFrame, DatasetError> {

@@ -35,6 +35,9 @@ pub struct Keyframe {
     pub objects: Vec<WorldObject>,
 }
 
+/// Times in nanoseconds, files and poses of all scans of the lidar, by scene.
+pub type ScansOfScenes = BTreeMap<String, Vec<(u64, PathBuf, Isometry3<f64>)>>;
+
 /// The scans of the lidar in the tables.
 #[derive(Debug, Clone, PartialEq)]
 pub struct LidarTables {
@@ -93,7 +96,7 @@ struct EgoPoseRecord {
     rotation: [f64; 4],
 }
 
-/// A keyframe whose pose is not known yet.
+/// A scan whose pose is not known yet.
 struct Unplaced {
     sample: String,
     scene: String,
@@ -115,7 +118,7 @@ pub fn read_keyframes(
     classes: &mut ClassReader<'_>,
 ) -> Result<LidarTables, DatasetError> {
     let table = |name: &str| folder.join(format!("{name}.json"));
-    let unplaced = read_unplaced(&table, scenes)?;
+    let unplaced = read_unplaced(&table, scenes, |it| it.is_key_frame)?;
     let poses = read_poses(&table("ego_pose"), &unplaced)?;
     let samples = unplaced.iter().map(|it| (it.sample.as_str(), it.sample_time_us)).collect();
     let (mut objects, elsewhere) = read_objects(&table, &samples, classes)?;
@@ -140,6 +143,24 @@ pub fn read_keyframes(
     Ok(LidarTables { keyframes, samples_without_scan })
 }
 
+/// Reads the tables in `folder`: all scans of the lidar in `scenes`, annotated or not, each with its time in nanoseconds, its
+/// file and the pose of the lidar, by scene in the order of their times.
+pub fn read_all_scans(folder: &Path, scenes: &BTreeSet<String>) -> Result<ScansOfScenes, DatasetError> {
+    let table = |name: &str| folder.join(format!("{name}.json"));
+    let unplaced = read_unplaced(&table, Some(scenes), |_| true)?;
+    let poses = read_poses(&table("ego_pose"), &unplaced)?;
+    let mut scans = ScansOfScenes::new();
+    for it in unplaced {
+        let Some(world_from_ego) = poses.get(&it.ego_pose) else {
+            return Err(names_nothing(&table("sample_data"), "ego_pose", &it.ego_pose));
+        };
+        let of_scene = scans.entry(it.scene).or_default();
+        of_scene.push((it.time_ns, it.file, world_from_ego * it.ego_from_sensor));
+    }
+    scans.values_mut().for_each(|it| it.sort_by_key(|(time_ns, ..)| *time_ns));
+    Ok(scans)
+}
+
 fn names_nothing(path: &Path, table: &str, token: &str) -> DatasetError {
     let problem = format!("names {token:?}, which is not in {table}.json");
     DatasetError::Damaged { path: path.to_path_buf(), problem }
@@ -148,6 +169,7 @@ fn names_nothing(path: &Path, table: &str, token: &str) -> DatasetError {
 fn read_unplaced(
     table: &impl Fn(&str) -> PathBuf,
     scenes: Option<&BTreeSet<String>>,
+    is_wanted: impl Fn(&SampleDataRecord) -> bool,
 ) -> Result<Vec<Unplaced>, DatasetError> {
     let mut lidars = BTreeSet::new();
     read_table(&table("sensor"), |it: SensorRecord| {
@@ -185,7 +207,7 @@ fn read_unplaced(
     let mut unplaced = Vec::new();
     read_table(&table("sample_data"), |it: SampleDataRecord| {
         let (Some(ego_from_sensor), true) =
-            (ego_from_sensors.get(&it.calibrated_sensor_token), it.is_key_frame)
+            (ego_from_sensors.get(&it.calibrated_sensor_token), is_wanted(&it))
         else {
             return Ok(());
         };

@@ -1,7 +1,7 @@
 //! Texts about results that changed.
 
 use super::*;
-use crate::rows::match_outcome::DetectionFacts;
+use crate::rows::match_outcome::{DetectionFacts, MotionFacts};
 use crate::verdicts::change::ChangeKind;
 use crate::vocabulary::class::DetectionClass;
 use crate::vocabulary::reason::FalseReason;
@@ -22,7 +22,14 @@ fn at(x_m: f32) -> BoxFacts {
 
 fn detection(x_m: f32, n_points: u64) -> DetectionFacts {
     let class = DetectionClass::Vehicle;
-    DetectionFacts { id: 0, class, score: Some(0.5), n_points, bounding_box: at(x_m) }
+    DetectionFacts {
+        id: 0,
+        class,
+        score: Some(0.5),
+        n_points,
+        bounding_box: at(x_m),
+        motion: MotionFacts::default(),
+    }
 }
 
 fn found(scan: u32, annotation: AnnotationFacts, detection: DetectionFacts, cost: f64) -> MatchRow {

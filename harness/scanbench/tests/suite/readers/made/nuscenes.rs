@@ -12,10 +12,10 @@ fn token(kind: u32, number: usize) -> String {
     format!("{kind:08x}{number:024x}")
 }
 
-/// Where the car of [`nuscenes`] was at a scan.
-fn world_from_car(number: usize) -> Isometry3<f64> {
-    let turn = UnitQuaternion::from_euler_angles(0.0, 0.0, 0.7 + 0.1 * number as f64);
-    Isometry3::from_parts(Translation3::new(1000.0 + 5.0 * number as f64, 600.0, 2.0), turn)
+/// Where the car of [`nuscenes`] was at a scan, or between two.
+fn world_from_car(number: f64) -> Isometry3<f64> {
+    let turn = UnitQuaternion::from_euler_angles(0.0, 0.0, 0.7 + 0.1 * number);
+    Isometry3::from_parts(Translation3::new(1000.0 + 5.0 * number, 600.0, 2.0), turn)
 }
 
 /// Where its lidar is, with x to the right and y forward.
@@ -79,26 +79,34 @@ pub fn nuscenes(folder: &Path, dataset: &dyn Dataset) {
     for (number, scan) in scans(dataset).iter().enumerate() {
         let time_us = 1_532_402_927_647_951_u64 + 500_000 * number as u64;
         samples.push(json!({"token": token(7, number), "scene_token": token(4, 0), "timestamp": time_us}));
-        let (translation, rotation) = pose(&world_from_car(number));
-        ego_poses.push(json!({"token": token(8, number), "timestamp": time_us, "translation": translation,
-            "rotation": rotation}));
-        for (sensor, is_key_frame) in [(0, true), (1, true), (1, false)] {
-            let kind = ["CAM_FRONT/a.jpg", "LIDAR_TOP"][sensor];
-            let filename = format!("samples/{kind}/{number}.pcd.bin");
-            sample_data.push(json!({"token": token(9, sample_data.len()), "sample_token": token(7, number),
-                "ego_pose_token": token(8, number), "calibrated_sensor_token": token(2, sensor), "timestamp": time_us,
-                "fileformat": "pcd", "is_key_frame": is_key_frame, "filename": filename}));
-        }
-        let bytes: Vec<u8> = scan
-            .cloud
-            .positions_m()
-            .zip(scan.cloud.intensity())
-            .flat_map(|([x, y, z], i)| [-y, x, z, i * 255.0, 7.0])
-            .flat_map(f32::to_le_bytes)
-            .collect();
-        write(&folder.join(format!("samples/LIDAR_TOP/{number}.pcd.bin")), bytes);
         let ours = Isometry3::rotation(Vector3::z() * std::f64::consts::FRAC_PI_2);
-        let world_from_sensor = world_from_car(number) * car_from_lidar() * ours;
+        let world_from_sensor_at = |number: f64| world_from_car(number) * car_from_lidar() * ours;
+        let world_from_sensor = world_from_sensor_at(number as f64);
+        // Each keyframe is followed by what a sweep a fifth of a second later sees of the same points.
+        for (sensor, is_key_frame) in [(0, true), (1, true), (1, false)] {
+            let later = if is_key_frame { 0.0 } else { 0.4 };
+            let time_us = time_us + (500_000.0 * later) as u64;
+            let ego_pose = token(8, ego_poses.len());
+            let (translation, rotation) = pose(&world_from_car(number as f64 + later));
+            ego_poses.push(json!({"token": ego_pose, "timestamp": time_us, "translation": translation,
+                "rotation": rotation}));
+            let kind = ["CAM_FRONT/a.jpg", "LIDAR_TOP"][sensor];
+            let filename =
+                format!("{}/{kind}/{number}.pcd.bin", if is_key_frame { "samples" } else { "sweeps" });
+            sample_data.push(json!({"token": token(9, sample_data.len()), "sample_token": token(7, number),
+                "ego_pose_token": ego_pose, "calibrated_sensor_token": token(2, sensor), "timestamp": time_us,
+                "fileformat": "pcd", "is_key_frame": is_key_frame, "filename": filename}));
+            if sensor == 1 {
+                let there = world_from_sensor_at(number as f64 + later).inverse() * world_from_sensor;
+                let moved = |[x, y, z]: [f32; 3]| {
+                    let at = there * nalgebra::Point3::from([x, y, z].map(f64::from));
+                    if is_key_frame { [x, y, z] } else { [at.x, at.y, at.z].map(|it| it as f32) }
+                };
+                let points = scan.cloud.positions_m().map(moved).zip(scan.cloud.intensity());
+                let numbers = points.flat_map(|([x, y, z], i)| [-y, x, z, i * 255.0, 7.0]);
+                write(&folder.join(filename), numbers.flat_map(f32::to_le_bytes).collect::<Vec<u8>>());
+            }
+        }
         for (index, annotation) in boxed(scan).annotations.iter().enumerate() {
             let bounding_box = annotation.bounding_box.unwrap();
             let [x, y, z] = bounding_box.center_m.map(f64::from);
