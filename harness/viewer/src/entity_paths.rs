@@ -185,6 +185,11 @@ pub fn given_classes(detector: &str, task: Task) -> EntityPath {
     below(DETECTORS, &[detector, "outcomes", task.name(), "classes"])
 }
 
+/// Arrows at detections whose detector gives their velocity.
+pub fn velocities(detector: &str, task: Task) -> EntityPath {
+    below(DETECTORS, &[detector, "outcomes", task.name(), "velocities"])
+}
+
 /// The boxes of a layer of outcomes whose seen sides are known.
 pub fn partly_seen(boxes: &EntityPath) -> EntityPath {
     product_part(boxes, "partly_seen")

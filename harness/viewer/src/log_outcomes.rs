@@ -6,7 +6,7 @@ use detector::detection::SeenOfVehicle;
 use detector::{Detection, Detections, OrientedBox};
 use evaluation::matching::mistake::{Mistake, MistakeKind};
 use evaluation::matching::outcome::{AnnotationOutcome, Assignment, DetectionOutcome};
-use re_sdk_types::archetypes::{Points3D, TextLog};
+use re_sdk_types::archetypes::{Arrows3D, Points3D, TextLog};
 use re_sdk_types::components::{Radius, TextLogLevel};
 use reports::verdicts::change::ChangeKind;
 use reports::vocabulary::task::Task;
@@ -83,7 +83,30 @@ pub fn log_outcomes(
         recording::log(stream, path.clone(), &drawn)?;
         logged.insert(path);
     }
+    logged.extend(log_velocities(stream, detector, detections, assignment.task)?);
     Ok(logged)
+}
+
+/// Logs an arrow for each detection with a velocity: where it comes to within a second. Returns their entity, if there are any.
+fn log_velocities(
+    stream: &RecordingStream,
+    detector: &str,
+    detections: &Detections,
+    task: Task,
+) -> Result<Option<EntityPath>, StreamError> {
+    let moving = detections.iter().filter_map(|it| Some((it, it.box_details.velocity_m_per_s?)));
+    let (origins, ways): (Vec<[f32; 3]>, Vec<[f32; 3]>) =
+        moving.map(|(it, [x, y])| (it.bounding_box.center_m, [x, y, 0.0])).unzip();
+    if ways.is_empty() {
+        return Ok(None);
+    }
+    let path = entity_paths::velocities(detector, task);
+    let drawn = Arrows3D::from_vectors(ways)
+        .with_origins(origins)
+        .with_colors([legend::rgba(palette::REDDISH_PURPLE)])
+        .with_radii([Radius::new_ui_points(line_radius_px(OutcomeLayer::Matched))]);
+    recording::log(stream, path.clone(), &drawn)?;
+    Ok(Some(path))
 }
 
 /// Radius of the dot of a class.
@@ -153,7 +176,8 @@ fn detection_label(detection_idx: usize, detection: &Detection<'_>, reason: &str
     let score = detection.score.map(|it| format!(" {it:.2}")).unwrap_or_default();
     let unsure =
         if detection.box_details.seen.is_some_and(|it| !it.is_front_sure) { ", front unsure" } else { "" };
-    format!("detection {detection_idx}, {class}{score}{unsure}: {reason}")
+    let track = detection.box_details.track.map(|it| format!(", track {it}")).unwrap_or_default();
+    format!("detection {detection_idx}, {class}{score}{track}{unsure}: {reason}")
 }
 
 fn line_radius_px(layer: OutcomeLayer) -> f32 {

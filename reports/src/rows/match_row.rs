@@ -428,6 +428,7 @@ mod tests {
             ..blob()
         };
         let found = DetectionFacts { bounding_box: unscored.bounding_box, ..blob() };
+        let motion = MotionFacts { velocity_m_per_s: Some([10.5, -0.25]), track: Some(41) };
         let outcomes = [
             MatchOutcome::Matched { annotation: car(), detection: found, cost: 0.125 },
             MatchOutcome::Missed { annotation: unboxed, reason: MissReason::NothingThere },
@@ -443,7 +444,7 @@ mod tests {
                 detection: unscored.clone(),
                 reason: IgnoredDetection::OnIgnoredPoints,
             },
-            MatchOutcome::Unknowable { detection: unscored },
+            MatchOutcome::Unknowable { detection: DetectionFacts { motion, ..unscored } },
         ];
         outcomes.map(row).to_vec()
     }
@@ -458,16 +459,16 @@ mod tests {
     fn rows_read_back_as_they_were() {
         let text = csv_text(&rows());
         insta::assert_snapshot!(text, @r#"
-        dataset,sequence,scan,detector,task,criterion,kind,outcome,reason,cost,annotation_id,annotation_track,annotation_class,annotation_occlusion,annotation_n_points,annotation_n_points_outside,annotation_center_x_m,annotation_center_y_m,annotation_center_z_m,annotation_length_m,annotation_width_m,annotation_height_m,annotation_yaw_rad,detection_id,detection_class,detection_score,detection_n_points,detection_center_x_m,detection_center_y_m,detection_center_z_m,detection_length_m,detection_width_m,detection_height_m,detection_yaw_rad
-        main_road,0000,7,pca,objects,points,pair,matched,,0.125000,3,12,car,partly,240,130,10.2500,-3.5000,-0.8750,4.5000,1.7500,1.5000,-1.5000,0,object,0.750000,201,1.0000,2.0000,3.0000,4.0000,1.5000,1.2500,0.1250
-        main_road,0000,7,pca,objects,points,annotation,missed,nothing there,,3,,car,,240,130,10.5000,-3.2500,0.1250,,,,,,,,,,,,,,,
-        main_road,0000,7,pca,objects,points,annotation,ignored,too few points,,3,12,car,partly,240,130,10.2500,-3.5000,-0.8750,4.5000,1.7500,1.5000,-1.5000,,,,,,,,,,,
-        main_road,0000,7,pca,objects,points,annotation,ignored,too few points,,3,,car,,0,0,,,,,,,,,,,,,,,,,,
-        main_road,0000,7,pca,objects,points,annotation,ignored,tall,,3,12,car,partly,240,130,10.2500,-3.5000,-0.8750,4.5000,1.7500,1.5000,-1.5000,,,,,,,,,,,
-        main_road,0000,7,pca,objects,points,pair,ignored,tall,0.250000,3,12,car,partly,240,130,10.2500,-3.5000,-0.8750,4.5000,1.7500,1.5000,-1.5000,0,object,,201,1.0000,2.0000,3.0000,4.0000,1.5000,1.2500,0.1250
-        main_road,0000,7,pca,objects,points,detection,false,fragment,,,,,,,,,,,,,,,0,object,,201,1.0000,2.0000,3.0000,4.0000,1.5000,1.2500,0.1250
-        main_road,0000,7,pca,objects,points,detection,ignored,on ignored points,,,,,,,,,,,,,,,0,object,,201,1.0000,2.0000,3.0000,4.0000,1.5000,1.2500,0.1250
-        main_road,0000,7,pca,objects,points,detection,unknowable,,,,,,,,,,,,,,,,0,object,,201,1.0000,2.0000,3.0000,4.0000,1.5000,1.2500,0.1250
+        dataset,sequence,scan,detector,task,criterion,kind,outcome,reason,cost,annotation_id,annotation_track,annotation_class,annotation_occlusion,annotation_n_points,annotation_n_points_outside,annotation_center_x_m,annotation_center_y_m,annotation_center_z_m,annotation_length_m,annotation_width_m,annotation_height_m,annotation_yaw_rad,detection_id,detection_class,detection_score,detection_n_points,detection_center_x_m,detection_center_y_m,detection_center_z_m,detection_length_m,detection_width_m,detection_height_m,detection_yaw_rad,detection_velocity_x_m_per_s,detection_velocity_y_m_per_s,detection_track
+        main_road,0000,7,pca,objects,points,pair,matched,,0.125000,3,12,car,partly,240,130,10.2500,-3.5000,-0.8750,4.5000,1.7500,1.5000,-1.5000,0,object,0.750000,201,1.0000,2.0000,3.0000,4.0000,1.5000,1.2500,0.1250,,,
+        main_road,0000,7,pca,objects,points,annotation,missed,nothing there,,3,,car,,240,130,10.5000,-3.2500,0.1250,,,,,,,,,,,,,,,,,,
+        main_road,0000,7,pca,objects,points,annotation,ignored,too few points,,3,12,car,partly,240,130,10.2500,-3.5000,-0.8750,4.5000,1.7500,1.5000,-1.5000,,,,,,,,,,,,,,
+        main_road,0000,7,pca,objects,points,annotation,ignored,too few points,,3,,car,,0,0,,,,,,,,,,,,,,,,,,,,,
+        main_road,0000,7,pca,objects,points,annotation,ignored,tall,,3,12,car,partly,240,130,10.2500,-3.5000,-0.8750,4.5000,1.7500,1.5000,-1.5000,,,,,,,,,,,,,,
+        main_road,0000,7,pca,objects,points,pair,ignored,tall,0.250000,3,12,car,partly,240,130,10.2500,-3.5000,-0.8750,4.5000,1.7500,1.5000,-1.5000,0,object,,201,1.0000,2.0000,3.0000,4.0000,1.5000,1.2500,0.1250,,,
+        main_road,0000,7,pca,objects,points,detection,false,fragment,,,,,,,,,,,,,,,0,object,,201,1.0000,2.0000,3.0000,4.0000,1.5000,1.2500,0.1250,,,
+        main_road,0000,7,pca,objects,points,detection,ignored,on ignored points,,,,,,,,,,,,,,,0,object,,201,1.0000,2.0000,3.0000,4.0000,1.5000,1.2500,0.1250,,,
+        main_road,0000,7,pca,objects,points,detection,unknowable,,,,,,,,,,,,,,,,0,object,,201,1.0000,2.0000,3.0000,4.0000,1.5000,1.2500,0.1250,10.5000,-0.2500,41
         "#);
         assert_eq!(rows_of::<MatchRow>(&text).unwrap(), rows());
     }
@@ -512,6 +513,7 @@ mod tests {
     fn a_box_with_a_gap_is_refused() {
         check_refused("10.2500,-3.5000", "10.2500,", "a box has an empty number");
         check_refused("10.5000,-3.2500,", "10.5000,,", "a box has an empty number");
+        check_refused("10.5000,-0.2500,", "10.5000,,", "a velocity has an empty number");
     }
 
     #[test]

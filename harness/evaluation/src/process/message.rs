@@ -149,6 +149,7 @@ pub struct Wishes {
 }
 
 /// A result without its payload.
+#[expect(clippy::struct_excessive_bools, reason = "the payload has many parts")]
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 pub struct ResultLine {
     /// Number of the scan.

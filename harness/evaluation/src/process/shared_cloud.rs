@@ -177,7 +177,7 @@ mod tests {
 
     #[test]
     fn several_clouds_stand_one_after_the_other() {
-        let cloud = |n: u8| PointCloud::from_iter((0..n).map(|it| [f32::from(it), 0.0, f32::from(n)]));
+        let cloud = |n: u8| (0..n).map(|it| [f32::from(it), 0.0, f32::from(n)]).collect::<PointCloud>();
         let clouds = [cloud(17), cloud(3), cloud(0), cloud(40)];
         let mut shared = SharedCloud::with_room(room_for(&clouds)).unwrap();
         assert_eq!(shared.max_points(), 32 + 16 + 48);

@@ -80,28 +80,23 @@ impl DriveMemory {
         let n = wishes.earlier_scans;
         let Some(Place { dataset, scan_idx, .. }) = place else {
             let in_drive = InDrive { begins_drive, ..InDrive::default() };
-            return match n {
-                0 => Ok(Asked { scan, time_s, in_drive: Some(in_drive) }),
-                _ => Err(lacks(&format!("{n} earlier scans, and this scan stands for itself"))),
-            };
+            if n > 0 {
+                return Err(lacks(&format!("{n} earlier scans, and this scan stands for itself")));
+            }
+            return Ok(Asked { scan, time_s, in_drive: Some(in_drive) });
         };
         let unreadable = |error: DatasetError| {
             let causes = reports::files::causes::with_causes(&error);
             DetectorProblem::Machine(format!("what it asks for cannot be read: {causes}"))
         };
-        let earlier = match n {
-            0 => Vec::new(),
-            _ => {
-                let earlier = self.earlier.before(dataset, (scan_idx, scan), n).map_err(unreadable)?;
-                earlier.ok_or_else(|| {
-                    let id = &dataset.description().id;
-                    lacks(&format!(
-                        "{n} earlier scans in the frame of each, and {id} does not say where the sensor was"
-                    ))
-                })?
-            }
-        };
         let world_from_sensor = dataset.world_from_sensor(scan_idx).map_err(unreadable)?;
+        let earlier = self.earlier.before(dataset, (scan_idx, scan), n).map_err(unreadable)?;
+        if n > 0 && earlier.is_none() {
+            let id = &dataset.description().id;
+            let what = "earlier scans in the frame of each, and";
+            return Err(lacks(&format!("{n} {what} {id} does not say where the sensor was")));
+        }
+        let earlier = earlier.unwrap_or_default();
         Ok(Asked { scan, time_s, in_drive: Some(InDrive { begins_drive, world_from_sensor, earlier }) })
     }
 }

@@ -398,14 +398,8 @@ mod tests {
                     centroid_m: None,
                 };
                 let (class, score) = (DetectionClass::Vehicle, Some(0.5));
-                let detection = DetectionFacts {
-                    id: 0,
-                    class,
-                    score,
-                    n_points: 100,
-                    bounding_box,
-                    motion: MotionFacts::default(),
-                };
+                let motion = MotionFacts::default();
+                let detection = DetectionFacts { id: 0, class, score, n_points: 100, bounding_box, motion };
                 MatchRow {
                     dataset: dataset.clone(),
                     sequence: sequence.clone(),

@@ -234,7 +234,7 @@ fn lasers_and_times_of_points_are_sent_where_the_data_have_them() {
 
 /// A catalogue of two simulated drives of four scans, a tenth of a second apart, and a detector `odd`.
 fn workplace_with_drives(behaviour: &str) -> Workplace {
-    let workplace = workplace_with(behaviour, "");
+    let workplace = workplace_with(behaviour, "parameters = { most = 1 }");
     let street =
         "[simulated.drives]\nstreet = \"street-main-road\"\nseed = 9001\nn_scans = 8\nturns_per_scan = 1\n";
     workplace.write("mine.toml", &format!("{street}scans_per_drive = 4\nsensor = \"vlp-16\"\n"));

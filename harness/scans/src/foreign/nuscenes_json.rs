@@ -151,7 +151,8 @@ impl BoxRecord {
             velocity_m_per_s: self
                 .velocity
                 .map(|it| turned_velocity(it, &sensor_from_world.rotation).map(|it| it as f32))
-                .filter(|it| it.iter().all(|it| it.is_finite())),
+                // Exactly 0 stands where a detector knows no velocity: the format has no other place for that.
+                .filter(|it| it.iter().all(|it| it.is_finite()) && *it != [0.0; 2]),
             is_unlikely: self.unlikely,
         })
     }

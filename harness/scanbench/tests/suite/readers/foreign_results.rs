@@ -3,6 +3,7 @@
 use std::path::Path;
 
 use detector::{BoxDetails, DetectedClass, Detection, DetectorOutput, GivenClass};
+use evaluation::protocols::official_objects::OfficialScanView;
 use reports::vocabulary::class::AnnotationClass;
 use scans::conversion::results::result_folder::{ResultFolder, ResultOutput};
 use scans::dataset::class_table::ClassTable;
@@ -58,7 +59,9 @@ fn echo(dataset: &dyn Dataset, scan_idx: usize) -> (DetectorOutput, Vec<ForeignB
     let boxed = scan.annotations.iter().filter_map(|it| Some((it, it.bounding_box?)));
     for (number, (annotation, bounding_box)) in (0_u8..).zip(boxed) {
         let (class, score) = (DetectedClass::Vehicle, Some(f32::from(number) / 8.0));
-        let box_details = BoxDetails { score: score.map(|it| it + OF_BOX), ..BoxDetails::default() };
+        let velocity_m_per_s = Some([f32::from(number) + 1.0, -2.0]);
+        let score_of_box = score.map(|it| it + OF_BOX);
+        let box_details = BoxDetails { score: score_of_box, velocity_m_per_s, ..BoxDetails::default() };
         let detection = Detection::new(&annotation.point_indices, bounding_box, class, score);
         output.detections.push(Detection { box_details, given: Some(car()), ..detection });
         boxes.push(ForeignBox {
@@ -66,7 +69,7 @@ fn echo(dataset: &dyn Dataset, scan_idx: usize) -> (DetectorOutput, Vec<ForeignB
             class: Some(AnnotationClass::Car.into()),
             score,
             box_score: box_details.score,
-            velocity_m_per_s: None,
+            velocity_m_per_s,
             is_unlikely: false,
         });
     }
@@ -111,6 +114,12 @@ pub fn check_same_boxes(found: &ForeignDetections, expected: &[ForeignBox]) {
         assert!(pairs.into_iter().all(|(a, b)| (a - b).abs() < 2e-4), "{a:?} {b:?}");
         let turn_rad = a.yaw_rad - b.yaw_rad;
         assert!(turn_rad.sin().abs() < 1e-4 && turn_rad.cos() > 0.0, "{a:?} {b:?}");
+        let [a, b] = [found, expected].map(|it| it.velocity_m_per_s);
+        let is_same = match (a, b) {
+            (Some(a), Some(b)) => (0..2).all(|axis| (a[axis] - b[axis]).abs() < 1e-4),
+            (a, b) => a == b,
+        };
+        assert!(is_same, "{a:?} {b:?}");
     }
 }
 
@@ -122,6 +131,11 @@ fn check_round_trip(dataset: &dyn Dataset, output: ResultOutput) {
     let found = read_all(&folder.join("echo"), dataset).unwrap_or_else(|error| panic!("{error}"));
     for (scan_idx, found) in found.iter().enumerate() {
         let mut expected = echo(dataset, scan_idx).1;
+        // Other formats have no velocities.
+        expected
+            .iter_mut()
+            .filter(|_| output != ResultOutput::NuScenes)
+            .for_each(|it| it.velocity_m_per_s = None);
         if !matches!(output, ResultOutput::Csv) {
             // For other people's evaluators, which rank boxes.
             let probability = |log_odds: f32| (1.0 / (1.0 + f64::from(-log_odds).exp())) as f32;
@@ -133,6 +147,28 @@ fn check_round_trip(dataset: &dyn Dataset, output: ResultOutput) {
             }
         }
         check_same_boxes(found, &expected);
+    }
+}
+
+#[test]
+fn velocities_are_the_same_from_a_detector_and_from_its_file() {
+    let workplace = Workplace::new();
+    nuscenes(workplace.folder(), &*street(2));
+    let dataset = open(workplace.folder());
+    write_echo(&*dataset, ResultOutput::NuScenes, &workplace.path("written"));
+    let read = read_all(&workplace.path("written/echo"), &*dataset).unwrap();
+    for (scan_idx, read) in read.iter().enumerate() {
+        let scan = dataset.read_scan(scan_idx).unwrap();
+        let view = OfficialScanView::new(&*dataset, scan_idx, &scan).unwrap();
+        let output = echo(&*dataset, scan_idx).0;
+        let (live, from_file) = (view.found(&output, &[]), view.found(&output, &read.official));
+        assert_eq!(live.len(), from_file.len());
+        for (live, from_file) in live.iter().zip(&from_file) {
+            let [live, from_file] = [live, from_file].map(|it| it.velocity_m_per_s.unwrap_or_default());
+            assert!((0..2).all(|axis| (live[axis] - from_file[axis]).abs() < 1e-5), "{live:?} {from_file:?}");
+        }
+        // The car is turned by more than half a radian in the world.
+        assert!((live[0].velocity_m_per_s.unwrap()[0] - 1.0).abs() > 0.1);
     }
 }
 

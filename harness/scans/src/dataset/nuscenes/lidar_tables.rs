@@ -157,7 +157,9 @@ pub fn read_all_scans(folder: &Path, scenes: &BTreeSet<String>) -> Result<ScansO
         let of_scene = scans.entry(it.scene).or_default();
         of_scene.push((it.time_ns, it.file, world_from_ego * it.ego_from_sensor));
     }
-    scans.values_mut().for_each(|it| it.sort_by_key(|(time_ns, ..)| *time_ns));
+    for of_scene in scans.values_mut() {
+        of_scene.sort_by_key(|(time_ns, ..)| *time_ns);
+    }
     Ok(scans)
 }
 

@@ -2,6 +2,7 @@
 
 use std::path::Path;
 
+use detector::PointCloud;
 use nalgebra::{Isometry3, Translation3, UnitQuaternion, Vector3};
 use scans::dataset::Dataset;
 use serde_json::{Value, json};
@@ -67,6 +68,26 @@ fn fixed_tables(table: &impl Fn(&str, Vec<Value>)) {
     table("category", numbered(&CATEGORIES, &named(6)));
 }
 
+/// Where the lidar was, with x forward and y left.
+fn world_from_sensor_at(number: f64) -> Isometry3<f64> {
+    world_from_car(number)
+        * car_from_lidar()
+        * Isometry3::rotation(Vector3::z() * std::f64::consts::FRAC_PI_2)
+}
+
+/// The file of points that are moved, if at all.
+fn lidar_bytes(cloud: &PointCloud, moved: Option<Isometry3<f64>>) -> Vec<u8> {
+    let at = |position_m: [f32; 3]| match &moved {
+        None => position_m,
+        Some(moved) => {
+            let at_m = moved * nalgebra::Point3::from(position_m.map(f64::from));
+            [at_m.x, at_m.y, at_m.z].map(|it| it as f32)
+        }
+    };
+    let points = cloud.positions_m().map(at).zip(cloud.intensity());
+    points.flat_map(|([x, y, z], i)| [-y, x, z, i * 255.0, 7.0]).flat_map(f32::to_le_bytes).collect()
+}
+
 /// The drive as a scene of nuScenes, with tables that name other sensors and scans between keyframes as well.
 pub fn nuscenes(folder: &Path, dataset: &dyn Dataset) {
     let tables = folder.join("v1.0-mini");
@@ -79,8 +100,6 @@ pub fn nuscenes(folder: &Path, dataset: &dyn Dataset) {
     for (number, scan) in scans(dataset).iter().enumerate() {
         let time_us = 1_532_402_927_647_951_u64 + 500_000 * number as u64;
         samples.push(json!({"token": token(7, number), "scene_token": token(4, 0), "timestamp": time_us}));
-        let ours = Isometry3::rotation(Vector3::z() * std::f64::consts::FRAC_PI_2);
-        let world_from_sensor_at = |number: f64| world_from_car(number) * car_from_lidar() * ours;
         let world_from_sensor = world_from_sensor_at(number as f64);
         // Each keyframe is followed by what a sweep a fifth of a second later sees of the same points.
         for (sensor, is_key_frame) in [(0, true), (1, true), (1, false)] {
@@ -98,13 +117,8 @@ pub fn nuscenes(folder: &Path, dataset: &dyn Dataset) {
                 "fileformat": "pcd", "is_key_frame": is_key_frame, "filename": filename}));
             if sensor == 1 {
                 let there = world_from_sensor_at(number as f64 + later).inverse() * world_from_sensor;
-                let moved = |[x, y, z]: [f32; 3]| {
-                    let at = there * nalgebra::Point3::from([x, y, z].map(f64::from));
-                    if is_key_frame { [x, y, z] } else { [at.x, at.y, at.z].map(|it| it as f32) }
-                };
-                let points = scan.cloud.positions_m().map(moved).zip(scan.cloud.intensity());
-                let numbers = points.flat_map(|([x, y, z], i)| [-y, x, z, i * 255.0, 7.0]);
-                write(&folder.join(filename), numbers.flat_map(f32::to_le_bytes).collect::<Vec<u8>>());
+                let from = (!is_key_frame).then_some(there);
+                write(&folder.join(filename), lidar_bytes(&scan.cloud, from));
             }
         }
         for (index, annotation) in boxed(scan).annotations.iter().enumerate() {
