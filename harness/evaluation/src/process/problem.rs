@@ -37,6 +37,9 @@ pub enum DetectorProblem {
     /// It cannot be asked: the machine prevents it, or the data lack what it asks for.
     #[error("{0}")]
     Machine(String),
+    /// The user has interrupted the run before it could be asked.
+    #[error("the run was interrupted")]
+    Interrupted,
 }
 
 /// Name of the time limit of the message `to` in a configuration.

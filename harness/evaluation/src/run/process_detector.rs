@@ -173,7 +173,8 @@ impl ProcessDetector {
             (None, problem) => (problem, Vec::new()),
         };
         // A scan that the machine prevents is not held against the detector: the run ends.
-        let is_final = self.n_failures >= MOST_FAILURES || matches!(problem, DetectorProblem::Machine(_));
+        let is_final = self.n_failures >= MOST_FAILURES
+            || matches!(problem, DetectorProblem::Machine(_) | DetectorProblem::Interrupted);
         let scan = scan.map(|it| it.id.to_string());
         DetectorFailure { detector: self.name.to_owned(), scan, problem, last_words, is_final }
     }

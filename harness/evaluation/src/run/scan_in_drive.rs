@@ -1,5 +1,7 @@
 //! A scan with its place in its drive, as detectors are asked for it.
 
+use std::sync::atomic::AtomicBool;
+
 use scans::annotation::LabeledScan;
 use scans::dataset::Dataset;
 use scans::dataset::scan_times::ScanTime;
@@ -33,6 +35,8 @@ pub struct ScansBefore<'a> {
     pub scan_indices: &'a [usize],
     /// The times of all scans of the data set.
     pub times: &'a [ScanTime],
+    /// No more of them are asked for once it is set.
+    pub interrupted: &'a AtomicBool,
 }
 
 impl<'a> ScanInDrive<'a> {

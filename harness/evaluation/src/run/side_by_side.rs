@@ -16,7 +16,7 @@ use crate::matching::assign::{MatchingParams, assign};
 use crate::matching::class_criteria::ClassCriteria;
 use crate::matching::lost_points::LostPoints;
 use crate::matching::outcome::Assignment;
-use crate::process::problem::DetectorFailure;
+use crate::process::problem::{DetectorFailure, DetectorProblem};
 use crate::run::counter::{Count, Counter};
 use crate::run::given_classes::GivesClasses;
 use crate::run::grid_write::GridWrite;
@@ -130,6 +130,13 @@ pub enum RunError {
     },
 }
 
+impl RunError {
+    /// Whether a detector was not asked because the user has interrupted the run.
+    fn is_interruption(&self) -> bool {
+        matches!(self, Self::Detector(it) if it.problem == DetectorProblem::Interrupted)
+    }
+}
+
 impl SideBySide<'_> {
     /// Runs `detectors` on every scan and hands each scan's results to `on_scan`, in the order of the scans.
     ///
@@ -186,18 +193,21 @@ impl SideBySide<'_> {
                 let scan_idx = self.scan_indices[run_idx];
                 let time = &times[scan_idx];
                 let scan_indices = selected_before(self.dataset, self.scan_indices, run_idx);
-                let before = Some(ScansBefore { scan_indices, times: &times });
+                let before = Some(ScansBefore { scan_indices, times: &times, interrupted: self.interrupted });
                 let place = Some(Place { dataset: self.dataset, scan_idx, before });
                 let asked = ScanInDrive { scan: &scan, time_s: time.time_s, place };
+                let or_interrupted = |error: RunError| {
+                    if error.is_interruption() { self.interrupted_after(run_idx) } else { error }
+                };
                 if !is_warm {
-                    self.warm_up(detectors, &asked)?;
+                    self.warm_up(detectors, &asked).map_err(or_interrupted)?;
                     is_warm = true;
                 }
                 if self.is_interrupted() {
-                    let (n_done, n_scans) = (run_idx - self.part.start, self.part.len());
-                    return Err(RunError::Interrupted { n_done, n_scans }.into());
+                    return Err(self.interrupted_after(run_idx).into());
                 }
-                let turns = self.detect_all(run_idx, &asked, detectors, &mut outputs, &mut reference)?;
+                let turns = self.detect_all(run_idx, &asked, detectors, &mut outputs, &mut reference);
+                let turns = turns.map_err(or_interrupted)?;
                 gives.iter_mut().zip(&outputs).for_each(|(gives, output)| gives.look(&output.detections));
                 let results = self.results(&scan, detectors, &outputs, &gives, turns);
                 on_scan(ScanResults { run_idx, scan: &scan, checksum, time, results: &results, detectors })?;
@@ -210,6 +220,10 @@ impl SideBySide<'_> {
         let scan = self.dataset.read_scan(scan_idx)?;
         let checksum = checksum_as_read(&scan);
         Ok((scan, checksum))
+    }
+
+    fn interrupted_after(&self, run_idx: usize) -> RunError {
+        RunError::Interrupted { n_done: run_idx - self.part.start, n_scans: self.part.len() }
     }
 
     fn is_interrupted(&self) -> bool {

@@ -210,6 +210,7 @@ impl From<DetectorFailure> for Failure {
             | DetectorProblem::Deaf
             | DetectorProblem::Reported(_)
             | DetectorProblem::WrongAnswer(_)
+            | DetectorProblem::Interrupted
             | DetectorProblem::Machine(_) => Self::Detector(error.into()),
         }
     }
