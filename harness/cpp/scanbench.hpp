@@ -572,7 +572,7 @@ inline std::size_t check(const Detections& found, std::size_t n_points) {
     for (const auto& [x_m_per_s, y_m_per_s] : found.velocities) {
         const bool is_known = std::abs(x_m_per_s) <= 1000.0F && std::abs(y_m_per_s) <= 1000.0F;
         if (!is_known && !(std::isnan(x_m_per_s) && std::isnan(y_m_per_s))) {
-            throw Error("a velocity is neither known nor NaN, or above 1000 m/s");
+            throw Error("a velocity is known along one axis alone, or above 1000 m/s");
         }
     }
     if (!found.tracks.empty() && found.tracks.size() != n_detections) {

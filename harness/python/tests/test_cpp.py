@@ -137,7 +137,7 @@ def test_both_and_everything(drawn: str) -> None:
         ("short", "999 cluster ids for 1000 points"),
         ("nan", "box 3 is not finite"),
         ("scores", "1 scores for 2 detections"),
-        ("speed", "a velocity is neither known nor NaN, or above 1000 m/s"),
+        ("speed", "a velocity is known along one axis alone, or above 1000 m/s"),
         ("tracks", "1 tracks for 2 detections"),
         ("product", "product `ground` has another length"),
         ("products", "33 products, more than 32"),

@@ -192,7 +192,7 @@ fn velocities_of(bytes: &[u8]) -> Result<Vec<Option<[f32; 2]>>, String> {
             [x, y] if x.is_nan() && y.is_nan() => Ok(None),
             [x, y] if x.abs() <= FASTEST_M_PER_S && y.abs() <= FASTEST_M_PER_S => Ok(Some([x, y])),
             other => Err(format!(
-                "the velocity of detection {idx} is {other:?} m/s, neither known nor unknown, or above {FASTEST_M_PER_S}"
+                "the velocity of detection {idx} is {other:?} m/s: known along one axis alone, or above {FASTEST_M_PER_S}"
             )),
         }
     });

@@ -86,7 +86,7 @@ impl DriveMemory {
         let Some(Place { dataset, scan_idx, .. }) = place else {
             let in_drive = InDrive { begins_drive, ..InDrive::default() };
             if n > 0 {
-                return Err(lacks(&format!("{n} earlier scans, and this scan stands for itself")));
+                return Err(lacks(&format!("{n} earlier scans, which only `run` and `sweep` give")));
             }
             return Ok(Asked { scan, time_s, in_drive: Some(in_drive) });
         };
