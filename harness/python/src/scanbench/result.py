@@ -117,7 +117,9 @@ def _velocities(velocities: ArrayLike, n_detections: int) -> NDArray[np.float32]
     unknown = np.isnan(array).all(axis=1)
     wrong = ~unknown & ~(np.abs(array) <= MAX_SPEED_M_PER_S).all(axis=1)
     if wrong.any():
-        raise ValueError(f"velocity {int(wrong.argmax())} is known along one axis alone, or above {MAX_SPEED_M_PER_S:g} m/s")
+        raise ValueError(
+            f"velocity {int(wrong.argmax())} is known along one axis alone, or above {MAX_SPEED_M_PER_S:g} m/s"
+        )
     return array
 
 
