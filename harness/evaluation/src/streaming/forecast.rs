@@ -33,7 +33,8 @@ pub fn velocities(
         let seen = detections.iter().map(|it| Seen { center_m: center_m(it), track: it.facts.motion.track });
         let tracked = tracker.step(scan.time_us, &seen.collect::<Vec<_>>());
         let given = |it: &LoggedDetection| {
-            let velocity = it.facts.motion.velocity_m_per_s?.map(f64::from);
+            // It is over ground; without poses boxes are moved relative to the car.
+            let velocity = it.facts.motion.velocity_m_per_s.filter(|_| drive.has_poses)?.map(f64::from);
             Some(turned_velocity(velocity, &scan.world_from_sensor.rotation))
         };
         detections.iter().zip(tracked).map(|(it, tracked)| given(it).unwrap_or(tracked)).collect()
