@@ -1,5 +1,7 @@
 //! How far apart the dense cells of a scan are.
 
+use std::ops::Range;
+
 use serde::Deserialize;
 
 use crate::grid::density_weighting::DensityWeighting;
@@ -30,8 +32,6 @@ pub struct DenseGapsParams {
     pub wall_steps: u32,
 }
 
-const NO_LABEL: u32 = u32::MAX;
-
 /// Gaps between dense cells, in reusable buffers.
 #[derive(Debug, Clone)]
 pub struct DenseGaps {
@@ -40,36 +40,100 @@ pub struct DenseGaps {
     // Dense cells along a side of the grid.
     n_along: usize,
     expected: ExpectedDensity,
-    // For every dense cell of the grid: the dense cell that reached it first, and in how many steps.
+    // For every dense cell of the grid.
     reached: Vec<Reached>,
-    steps: Vec<u8>,
-    // Positions that were reached, in this order.
-    queue: Vec<u32>,
-    // For every dense cell of a block: the block, which costs a division otherwise, its position in the grid, whether it
-    // holds enough points, and its group.
-    block: Vec<u32>,
-    at: Vec<u32>,
-    is_conducting: Vec<bool>,
+    // The dense cells that hold enough points, and the group of each. They are joined in the order of the grid, and spread
+    // in the order of their groups.
+    conducting: Vec<PlacedCell>,
+    group: Vec<GroupRange>,
+    joined: Vec<PlacedCell>,
+    next_of_group: Vec<u32>,
     groups: DisjointSets,
+    // The dense cells that hold fewer.
+    near_empty: Vec<PlacedCell>,
+    // Positions that were reached, in this order, and behind them room for more.
+    queue: Vec<Step>,
+    n_queued: usize,
+    // The cells whose groups met in the latest round, and room for more.
+    met: Vec<[Reached; 2]>,
     // For every block.
     resolved_steps: Vec<u32>,
     is_on_wall: Vec<bool>,
     links: Links,
 }
 
-/// The dense cell that reached a position first, and its group.
-#[derive(Debug, Clone, Copy, PartialEq)]
-struct Reached {
-    label: u32,
-    group: u32,
+/// A dense cell that holds points.
+#[derive(Debug, Clone, Copy, Default)]
+struct PlacedCell {
+    dense_idx: u32,
+    // Its position in the grid.
+    at: u32,
+    // Its block, which costs a division otherwise.
+    block: u32,
 }
 
-impl Reached {
-    const NOTHING: Self = Self { label: NO_LABEL, group: NO_LABEL };
-    /// The outermost cells, which hold no points and are never reached; their group is another one, so that they are not
-    /// taken for free cells.
-    const BORDER: Self = Self { label: NO_LABEL, group: NO_LABEL - 1 };
+/// The conducting cells of a group, which stand one behind the other: what its first cell reaches, and how many values
+/// farther the next group begins.
+#[derive(Debug, Clone, Copy, Default)]
+struct GroupRange {
+    first: Reached,
+    n_values: u32,
 }
+
+/// Which conducting cell reached a position first, and in how many steps: both in four bytes, as there are many positions.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+struct Reached(u32);
+
+impl Reached {
+    /// Bits for the steps, of which there are at most 20.
+    const STEP_BITS: u32 = 5;
+    const NOTHING: Self = Self(u32::MAX);
+    /// The outermost cells, which hold no points and are never reached.
+    const BORDER: Self = Self(u32::MAX - 1);
+
+    /// The conducting cell itself.
+    fn by(conducting_idx: usize) -> Self {
+        Self((conducting_idx as u32) << Self::STEP_BITS)
+    }
+
+    /// The position one step farther.
+    fn next(self) -> Self {
+        Self(self.0 + 1)
+    }
+
+    fn conducting_idx(self) -> usize {
+        (self.0 >> Self::STEP_BITS) as usize
+    }
+
+    fn steps(self) -> u32 {
+        self.0 & ((1 << Self::STEP_BITS) - 1)
+    }
+
+    fn is_of(self, group: GroupRange) -> bool {
+        self.0.wrapping_sub(group.first.0) < group.n_values
+    }
+}
+
+/// A step to a position: the position, and the direction in four bits.
+#[derive(Debug, Clone, Copy, Default)]
+struct Step(u32);
+
+impl Step {
+    fn new(position: u32, direction: usize) -> Self {
+        Self(position << 4 | direction as u32)
+    }
+
+    fn position(self) -> u32 {
+        self.0 >> 4
+    }
+
+    fn direction(self) -> usize {
+        (self.0 & 15) as usize
+    }
+}
+
+/// The direction of a step to where it began, among those to all neighbours row by row.
+const NOWHERE: usize = 4;
 
 impl DenseGaps {
     /// No gaps yet, in grids of the geometry `grid`. The density decides which cells are near-empty and which gaps are none.
@@ -81,12 +145,15 @@ impl DenseGaps {
             expected: ExpectedDensity::new(object_density_ratio, single_gap_points, grid, weighting),
             params,
             reached: Vec::new(),
-            steps: Vec::new(),
-            queue: Vec::new(),
-            block: Vec::new(),
-            at: Vec::new(),
-            is_conducting: Vec::new(),
+            conducting: Vec::new(),
+            group: Vec::new(),
+            joined: Vec::new(),
+            next_of_group: Vec::new(),
             groups: DisjointSets::default(),
+            near_empty: Vec::new(),
+            queue: Vec::new(),
+            n_queued: 0,
+            met: Vec::new(),
             resolved_steps: Vec::new(),
             is_on_wall: Vec::new(),
             links: Links::default(),
@@ -99,39 +166,36 @@ impl DenseGaps {
         let n_along = (grid.n_columns() * self.xi) as usize;
         if self.n_along != n_along {
             self.n_along = n_along;
-            self.queue.clear();
-            self.steps = vec![0; n_along * n_along];
+            self.n_queued = 0;
             let is_outermost = |step: usize| step == 0 || step == n_along - 1;
             let is_border = |index: usize| is_outermost(index % n_along) || is_outermost(index / n_along);
             let at_first = |index| if is_border(index) { Reached::BORDER } else { Reached::NOTHING };
             self.reached = (0..n_along * n_along).map(at_first).collect();
         }
-        for index in self.queue.drain(..) {
-            self.reached[index as usize] = Reached::NOTHING;
+        for step in &self.queue[..self.n_queued] {
+            self.reached[step.position() as usize] = Reached::NOTHING;
         }
         self.place_cells(grid, dense, candidates);
         self.join_touching(candidates);
         self.spread(candidates);
         // Near-empty cells belong to the nearest group.
-        for (dense_idx, statistics) in dense.statistics().iter().enumerate() {
-            if statistics.n_points > 0 && !self.is_conducting[dense_idx] {
-                let reached = self.reached[self.at[dense_idx] as usize];
-                self.links.group_of_dense[dense_idx] =
-                    if reached == Reached::NOTHING { dense_idx as u32 } else { reached.group };
+        for it in &self.near_empty {
+            let reached = self.reached[it.at as usize];
+            if reached != Reached::NOTHING {
+                self.links.group_of_dense[it.dense_idx as usize] = self.representative(reached);
             }
         }
     }
 
     fn place_cells(&mut self, grid: &HierarchicalGrid, dense: &DenseCells, candidates: &Candidates) {
-        let n_dense = dense.statistics().len();
-        self.block.clear();
-        self.at.clear();
-        self.is_conducting.clear();
+        self.conducting.clear();
+        self.near_empty.clear();
         self.resolved_steps.clear();
         self.is_on_wall.clear();
-        for (block_idx, &cell_idx) in dense.cell_of_block().iter().enumerate() {
+        let mut dense_idx = 0;
+        for (&cell_idx, block) in dense.cell_of_block().iter().zip(0..) {
             let [column, row] = grid.column_and_row(cell_idx);
-            let statistics = dense.statistics_of_block(block_idx);
+            let statistics = dense.statistics_of_block(block as usize);
             let n_occupied = statistics.iter().filter(|it| it.n_points > 0).count().max(1);
             let mean = statistics.iter().map(|it| it.n_points).sum::<u32>() as f32 / n_occupied as f32;
             let expected = self.expected.of_cell(grid, cell_idx);
@@ -140,64 +204,87 @@ impl DenseGaps {
             let least = (self.params.low_density_share * mean.min(expected.object_points)).max(1.0);
             let mut statistics = statistics.iter();
             for along in 0..self.xi {
-                let start = (row * self.xi + along) as usize * self.n_along + (column * self.xi) as usize;
-                for (index, statistics) in (start..start + self.xi as usize).zip(&mut statistics) {
-                    self.block.push(block_idx as u32);
-                    self.at.push(index as u32);
-                    self.is_conducting.push(statistics.n_points as f32 >= least);
+                let start = (row * self.xi + along) * self.n_along as u32 + column * self.xi;
+                for (at, statistics) in (start..start + self.xi).zip(&mut statistics) {
+                    let placed = PlacedCell { dense_idx, at, block };
+                    dense_idx += 1;
+                    if statistics.n_points as f32 >= least {
+                        self.reached[at as usize] = Reached::by(self.conducting.len());
+                        self.conducting.push(placed);
+                    } else if statistics.n_points > 0 {
+                        self.near_empty.push(placed);
+                    }
                 }
             }
         }
         self.links.group_of_dense.clear();
-        self.links.group_of_dense.extend(0..n_dense as u32);
-        self.groups.reset(n_dense);
-        for dense_idx in 0..n_dense {
-            if self.is_conducting[dense_idx] {
-                let index = self.at[dense_idx];
-                self.reached[index as usize].label = dense_idx as u32;
-                self.steps[index as usize] = 0;
-                self.queue.push(index);
-            }
-        }
+        self.links.group_of_dense.extend(0..dense.statistics().len() as u32);
     }
 
     /// Joins neighbouring cells to one group, unless their height or a wall sets them apart.
     fn join_touching(&mut self, candidates: &Candidates) {
         self.links.between.iter_mut().for_each(Vec::clear);
         let n = self.n_along;
-        for dense_idx in 0..self.at.len() as u32 {
-            if !self.is_conducting[dense_idx as usize] {
-                continue;
-            }
-            let index = self.at[dense_idx as usize] as usize;
-            for neighbor in [index + 1, index + n - 1, index + n, index + n + 1] {
-                let other = self.reached[neighbor].label;
-                if other == NO_LABEL {
+        self.groups.reset(self.conducting.len());
+        for conducting_idx in 0..self.conducting.len() {
+            let at = self.conducting[conducting_idx].at as usize;
+            for neighbor in [at + 1, at + n - 1, at + n, at + n + 1] {
+                let other = self.reached[neighbor];
+                if [Reached::NOTHING, Reached::BORDER].contains(&other) {
                     continue;
                 }
-                let level = self.level(candidates, [dense_idx, other], 1);
+                let between = [conducting_idx, other.conducting_idx()];
+                let level = self.level(candidates, between, 1);
+                let between = between.map(|it| it as u32);
                 if level == 0 {
-                    self.groups.join(dense_idx, other);
+                    self.groups.join(between[0], between[1]);
                 } else {
-                    self.links.between[level].push([dense_idx, other]);
+                    self.links.between[level].push(between);
                 }
-            }
-        }
-        for dense_idx in 0..self.at.len() {
-            if self.is_conducting[dense_idx] {
-                let group = self.groups.representative(dense_idx as u32);
-                self.links.group_of_dense[dense_idx] = group;
-                self.reached[self.at[dense_idx] as usize].group = group;
             }
         }
         for between in self.links.between.iter_mut().flatten() {
-            *between = between.map(|it| self.links.group_of_dense[it as usize]);
+            *between = between.map(|it| self.conducting[self.groups.representative(it) as usize].dense_idx);
+        }
+        self.sort_by_group();
+    }
+
+    /// Sorts the conducting cells by their groups, and queues them.
+    fn sort_by_group(&mut self) {
+        std::mem::swap(&mut self.conducting, &mut self.joined);
+        let n = self.joined.len();
+        // The number of cells of each group, at its first cell; then where its next one goes.
+        self.next_of_group.clear();
+        self.next_of_group.resize(n, 0);
+        for joined_idx in 0..n as u32 {
+            self.next_of_group[self.groups.representative(joined_idx) as usize] += 1;
+        }
+        self.group.clear();
+        self.conducting.clear();
+        self.conducting.resize(n, PlacedCell::default());
+        self.queue.resize(self.queue.len().max(n), Step::default());
+        self.n_queued = n;
+        for joined_idx in 0..n {
+            let placed = self.joined[joined_idx];
+            let group = self.groups.representative(joined_idx as u32) as usize;
+            if group == joined_idx {
+                let first_idx = self.group.len();
+                let n_of_group = std::mem::replace(&mut self.next_of_group[group], first_idx as u32) as usize;
+                let range = GroupRange { first: Reached::by(first_idx), n_values: Reached::by(n_of_group).0 };
+                self.group.resize(first_idx + n_of_group, range);
+            }
+            let conducting_idx = self.next_of_group[group] as usize;
+            self.next_of_group[group] += 1;
+            self.conducting[conducting_idx] = placed;
+            self.reached[placed.at as usize] = Reached::by(conducting_idx);
+            self.links.group_of_dense[placed.dense_idx as usize] = self.joined[group].dense_idx;
+            self.queue[joined_idx] = Step::new(placed.at, NOWHERE);
         }
     }
 
-    /// Level of the gap between two dense cells that are `steps` apart.
-    fn level(&self, candidates: &Candidates, between: [u32; 2], steps: u32) -> usize {
-        let blocks = between.map(|it| self.block[it as usize] as usize);
+    /// Level of the gap between two conducting cells that are `steps` apart.
+    fn level(&self, candidates: &Candidates, between: [usize; 2], steps: u32) -> usize {
+        let blocks = between.map(|it| self.conducting[it].block as usize);
         let mut penalty = 0;
         if blocks[0] != blocks[1] {
             let [a, b] = blocks.map(|it| candidates.tops_m()[it]);
@@ -214,48 +301,99 @@ impl DenseGaps {
 
     /// Every group grows into the free cells around it, until groups meet.
     fn spread(&mut self, candidates: &Candidates) {
-        let n = self.n_along;
-        let mut front = 0..self.queue.len();
-        for round in 0..self.params.n_rounds as u8 {
-            for at in front.clone() {
-                let index = self.queue[at] as usize;
-                let own = self.reached[index];
-                for first in [index - n - 1, index - 1, index + n - 1] {
-                    let three: [Reached; 3] = std::array::from_fn(|step| self.reached[first + step]);
-                    for (other, neighbor) in three.into_iter().zip(first..) {
-                        if other.group == own.group {
-                            continue;
-                        }
-                        if other == Reached::NOTHING {
-                            self.reached[neighbor] = own;
-                            self.steps[neighbor] = round + 1;
-                            self.queue.push(neighbor as u32);
-                        } else {
-                            self.meet(candidates, round, [(index, own), (neighbor, other)]);
-                        }
-                    }
-                }
+        let mut front = 0..self.n_queued;
+        for round in 0..self.params.n_rounds {
+            let n_met = self.grow(front.clone(), round);
+            for index in 0..n_met {
+                self.meet(candidates, self.met[index]);
             }
-            front = front.end..self.queue.len();
+            front = front.end..self.n_queued;
         }
     }
 
-    /// Records that two groups meet at neighbouring positions, the first of which was reached in `own_steps`. If both were
-    /// reached in as many steps, only the one with the lower number records it. Not inlined, so that the loop that calls it
-    /// keeps its values in registers.
-    #[inline(never)]
-    fn meet(
-        &mut self,
-        candidates: &Candidates,
-        own_steps: u8,
-        [(index, own), (neighbor, other)]: [(usize, Reached); 2],
-    ) {
-        let other_steps = self.steps[neighbor];
-        if other_steps > own_steps || (other_steps == own_steps && own_steps > 0 && neighbor > index) {
-            let steps = u32::from(own_steps) + u32::from(other_steps) + 1;
-            let level = self.level(candidates, [own.label, other.label], steps);
-            self.links.between[level].push([own.group, other.group]);
+    /// Every position of `front`, which was reached in so many `steps`, reaches the free positions around it. Returns how
+    /// often groups meet.
+    fn grow(&mut self, front: Range<usize>, steps: u32) -> usize {
+        let most = front.len() * 8;
+        self.queue.resize(self.queue.len().max(self.n_queued + most), Step::default());
+        self.met.resize(self.met.len().max(most), [Reached::NOTHING; 2]);
+        let mut n_met = 0;
+        for index in front {
+            let step = self.queue[index];
+            // What is beside the position before was seen from there.
+            n_met = match step.direction() {
+                0 => self.look(step, [0, 1, 2, 3, 6], steps, n_met),
+                1 => self.look(step, [0, 1, 2], steps, n_met),
+                2 => self.look(step, [0, 1, 2, 5, 8], steps, n_met),
+                3 => self.look(step, [0, 3, 6], steps, n_met),
+                5 => self.look(step, [2, 5, 8], steps, n_met),
+                6 => self.look(step, [0, 3, 6, 7, 8], steps, n_met),
+                7 => self.look(step, [6, 7, 8], steps, n_met),
+                8 => self.look(step, [2, 5, 6, 7, 8], steps, n_met),
+                _ => self.look(step, [0, 1, 2, 3, 5, 6, 7, 8], steps, n_met),
+            };
         }
+        n_met
+    }
+
+    /// Whether a neighbour is free is like the toss of a coin, so that a branch costs more than to write in vain.
+    #[inline(always)]
+    fn look<const N: usize>(
+        &mut self,
+        from: Step,
+        directions: [usize; N],
+        steps: u32,
+        mut n_met: usize,
+    ) -> usize {
+        let n = self.n_along as u32;
+        let position = from.position();
+        let own = self.reached[position as usize];
+        let group = self.group[own.conducting_idx()];
+        let offsets = [
+            n.wrapping_neg() - 1,
+            n.wrapping_neg(),
+            n.wrapping_neg() + 1,
+            1_u32.wrapping_neg(),
+            0,
+            1,
+            n - 1,
+            n,
+            n + 1,
+        ];
+        let mut n_queued = self.n_queued;
+        for direction in directions {
+            let neighbor = position.wrapping_add(offsets[direction]);
+            let reached = &mut self.reached[neighbor as usize];
+            let other = *reached;
+            let is_free = other == Reached::NOTHING;
+            *reached = if is_free { own.next() } else { other };
+            self.queue[n_queued] = Step::new(neighbor, direction);
+            n_queued += usize::from(is_free);
+            // If both were reached in as many steps, only the one before the other in the grid records that they meet.
+            let least_steps = steps + u32::from(steps == 0 || direction < NOWHERE);
+            let is_met = (other.0 < Reached::BORDER.0) & !other.is_of(group) & (other.steps() >= least_steps);
+            self.met[n_met] = [own, other];
+            n_met += usize::from(is_met);
+        }
+        self.n_queued = n_queued;
+        n_met
+    }
+
+    /// Records that the groups of two cells meet.
+    fn meet(&mut self, candidates: &Candidates, between: [Reached; 2]) {
+        let steps = between.map(Reached::steps).iter().sum::<u32>() + 1;
+        let level = self.level(candidates, between.map(Reached::conducting_idx), steps);
+        let groups = between.map(|it| self.representative(it));
+        // Along a front the same two meet again and again.
+        if self.links.between[level].last() != Some(&groups) {
+            self.links.between[level].push(groups);
+        }
+    }
+
+    /// The dense cell that represents the group that reached a position.
+    fn representative(&self, reached: Reached) -> u32 {
+        let group = self.group[reached.conducting_idx()];
+        self.conducting[group.first.conducting_idx()].dense_idx
     }
 }
 
