@@ -23,22 +23,63 @@ pub struct DecisionTree {
 ///
 /// Friedman 2001, *Greedy function approximation: a gradient boosting machine*. Trained elsewhere; here it only decides, the
 /// same to the bit on every machine: it compares, and adds in the order of the trees.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone)]
 pub struct Forest<const D: usize> {
     // Invariant: every decision looks at one of the D values. There is nothing behind the last of a tree.
     trees: Vec<DecisionTree>,
+    // The same trees, for many examples at a time.
+    abreast: Vec<TreeAbreast>,
     base: f32,
 }
 
-/// Examples that are led through a tree at the same time.
+/// Examples that are led through a tree at the same time, so that the processor need not wait for one of them.
 const N_ABREAST: usize = 8;
-/// Examples that are led through all trees before the next are looked at. They stay in the cache that long.
-const N_IN_BLOCK: usize = 64;
+/// Groups of so many examples that are led through a tree before the next tree is looked at: they stay in the cache.
+const N_GROUPS: usize = 8;
 /// Most values that a forest may look at: a power of two, so that an index can be masked.
 const MAX_VALUES: usize = 64;
 
-/// Values of some examples.
-type Block = [[f32; MAX_VALUES]; N_IN_BLOCK];
+/// All bits of where rows begin.
+const ROWS: usize = (MAX_VALUES - 1) * N_ABREAST;
+
+/// The values of some examples, each as [`ordered`] has it, value by value.
+type Group = [[u32; N_ABREAST]; MAX_VALUES];
+
+/// A tree for examples abreast. Decision i is followed by 2i or 2i + 1, and the first is decision 1: so a comparison of
+/// whole numbers is all that a step needs. Compiled for wide vectors it takes twice as long: the compiler then gathers the
+/// values, and gathering is slow.
+#[derive(Debug, Clone)]
+struct TreeAbreast {
+    decisions: [Decision; N_LEAVES],
+    leaves: [f32; N_LEAVES],
+}
+
+/// A decision: where the row of the value that it looks at begins, and its threshold as [`ordered`] has it.
+#[derive(Debug, Clone, Copy, Default)]
+struct Decision {
+    threshold: u32,
+    row: u32,
+}
+
+/// A whole number for a number, so that one is less than another if its number is. NaN is less than nothing.
+fn ordered(number: f32) -> u32 {
+    // Both zeros are the same.
+    let bits = (number + 0.0).to_bits();
+    let sign = 1 << 31;
+    if number.is_nan() {
+        u32::MAX
+    } else if bits & sign == 0 {
+        bits | sign
+    } else {
+        !bits
+    }
+}
+
+impl<const D: usize> PartialEq for Forest<D> {
+    fn eq(&self, other: &Self) -> bool {
+        (&self.trees, self.base) == (&other.trees, other.base)
+    }
+}
 
 impl<const D: usize> Forest<D> {
     /// A forest of these trees, whose sum starts at `base`. `None` if a tree looks at a value beyond the `D` values.
@@ -47,13 +88,17 @@ impl<const D: usize> Forest<D> {
             (tree.value_of_split[N_SPLITS], tree.thresholds[N_SPLITS]) = (0, 0.0);
         }
         let is_sound = trees.iter().all(|it| it.value_of_split.iter().all(|&value| usize::from(value) < D));
-        is_sound.then_some(Self { trees, base })
+        is_sound.then(|| Self::of(trees, base))
+    }
+
+    fn of(trees: Vec<DecisionTree>, base: f32) -> Self {
+        Self { abreast: trees.iter().map(TreeAbreast::of).collect(), trees, base }
     }
 
     /// The forest whose sum is `slope` times this one's, and `offset` more.
     pub fn rescaled(mut self, slope: f32, offset: f32) -> Self {
         self.trees.iter_mut().flat_map(|it| &mut it.leaves).for_each(|it| *it *= slope);
-        Self { base: self.base * slope + offset, ..self }
+        Self::of(self.trees, self.base * slope + offset)
     }
 
     /// The sum for these values. NaN is never less than a threshold.
@@ -67,16 +112,17 @@ impl<const D: usize> Forest<D> {
         sums.clear();
         sums.resize(examples.len(), self.base);
         let mut examples = examples;
-        let mut block = [[0.0; MAX_VALUES]; N_IN_BLOCK];
-        for sums in sums.chunks_mut(N_IN_BLOCK) {
-            for (row, values) in block.iter_mut().zip(examples.by_ref().take(sums.len())) {
-                row[..D].copy_from_slice(values);
+        let mut groups = [[[0; N_ABREAST]; MAX_VALUES]; N_GROUPS];
+        for sums in sums.chunks_mut(N_GROUPS * N_ABREAST) {
+            for (index, values) in examples.by_ref().take(sums.len()).enumerate() {
+                let group = &mut groups[index / N_ABREAST];
+                for (row, &value) in group.iter_mut().zip(values) {
+                    row[index % N_ABREAST] = ordered(value);
+                }
             }
-            // Several are on their way at a time, so that the processor need not wait for one of them. Compiled for wide
-            // vectors this takes twice as long: the compiler then gathers the values, and gathering is slow.
-            for tree in &self.trees {
-                for (abreast, first) in sums.chunks_mut(N_ABREAST).zip((0..).step_by(N_ABREAST)) {
-                    tree.add(&block, first, abreast);
+            for tree in &self.abreast {
+                for (sums, group) in sums.chunks_mut(N_ABREAST).zip(&groups) {
+                    tree.add(group, sums);
                 }
             }
         }
@@ -104,21 +150,33 @@ impl DecisionTree {
         }
         index - N_SPLITS
     }
+}
 
-    /// Adds to each of `sums` the leaf that its example reaches, from example `first` on.
+impl TreeAbreast {
+    fn of(tree: &DecisionTree) -> Self {
+        let mut decisions = [Decision::default(); N_LEAVES];
+        let splits = tree.thresholds.iter().zip(&tree.value_of_split);
+        for (decision, (&threshold, &value)) in decisions[1..].iter_mut().zip(splits) {
+            *decision = Decision { threshold: ordered(threshold), row: u32::from(value) * N_ABREAST as u32 };
+        }
+        Self { decisions, leaves: tree.leaves }
+    }
+
+    /// Adds to each of `sums` the leaf that its example of `group` reaches.
     #[inline(always)]
-    fn add(&self, block: &Block, first: usize, sums: &mut [f32]) {
-        let mut indices = [0; N_ABREAST];
+    fn add(&self, group: &Group, sums: &mut [f32]) {
+        let group = group.as_flattened();
+        let mut indices = [1_u32; N_ABREAST];
         for _ in 0..DEPTH {
             for (lane, index) in indices.iter_mut().enumerate() {
-                // The remainders change nothing: they prove to the compiler that no index is out of bounds.
-                let value = usize::from(self.value_of_split[*index % N_LEAVES]) % MAX_VALUES;
-                let is_left = block[(first + lane) % N_IN_BLOCK][value] < self.thresholds[*index % N_LEAVES];
-                *index = 2 * *index + 1 + usize::from(!is_left);
+                // The masks change nothing: they prove to the compiler that no index is out of bounds.
+                let Decision { threshold, row } = self.decisions[*index as usize % N_LEAVES];
+                let is_left = group[(row as usize & ROWS) + lane] < threshold;
+                *index = 2 * *index + 1 - u32::from(is_left);
             }
         }
         for (sum, index) in sums.iter_mut().zip(indices) {
-            *sum += self.leaves[(index - N_SPLITS) % N_LEAVES];
+            *sum += self.leaves[index as usize % N_LEAVES];
         }
     }
 }
@@ -156,6 +214,15 @@ mod tests {
         assert_eq!(forest.sum(&[1.0; 6]), 163.0);
         assert_eq!(forest.sum(&[0.5, 0.4, 0.6, 0.0, 0.5, 0.1]), 100.0 + 32.0 + 8.0 + 2.0);
         assert_eq!(forest.sum(&[f32::NAN, 0.0, 0.0, 0.0, 0.0, 0.0]), 132.0);
+    }
+
+    #[test]
+    fn whole_numbers_are_ordered_as_the_numbers_that_they_stand_for() {
+        let ascending =
+            [f32::NEG_INFINITY, -2.5, -1e-40, -0.0, 1e-40, 1.0, 1.0_f32.next_up(), f32::INFINITY, f32::NAN];
+        assert!(ascending.windows(2).all(|it| ordered(it[0]) < ordered(it[1])));
+        assert_eq!(ordered(-0.0), ordered(0.0));
+        assert_eq!(ordered(f32::NAN), ordered(-f32::NAN));
     }
 
     #[test]
