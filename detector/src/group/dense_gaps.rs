@@ -9,6 +9,7 @@ use crate::grid::hierarchical_grid::{GridParams, HierarchicalGrid};
 use crate::group::candidates::{Candidates, Evidence};
 use crate::group::dense_cells::DenseCells;
 use crate::group::linkage::{Linkage, LinkedScan, Links, N_LEVELS};
+use crate::group::reached::{GroupRange, NOWHERE, Reached, Step};
 use crate::segment::disjoint_sets::DisjointSets;
 use crate::segment::expected_density::ExpectedDensity;
 
@@ -71,69 +72,6 @@ struct PlacedCell {
     // Its block, which costs a division otherwise.
     block: u32,
 }
-
-/// The conducting cells of a group, which stand one behind the other: what its first cell reaches, and how many values
-/// farther the next group begins.
-#[derive(Debug, Clone, Copy, Default)]
-struct GroupRange {
-    first: Reached,
-    n_values: u32,
-}
-
-/// Which conducting cell reached a position first, and in how many steps: both in four bytes, as there are many positions.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
-struct Reached(u32);
-
-impl Reached {
-    /// Bits for the steps, of which there are at most 20.
-    const STEP_BITS: u32 = 5;
-    const NOTHING: Self = Self(u32::MAX);
-    /// The outermost cells, which hold no points and are never reached.
-    const BORDER: Self = Self(u32::MAX - 1);
-
-    /// The conducting cell itself.
-    fn by(conducting_idx: usize) -> Self {
-        Self((conducting_idx as u32) << Self::STEP_BITS)
-    }
-
-    /// The position one step farther.
-    fn next(self) -> Self {
-        Self(self.0 + 1)
-    }
-
-    fn conducting_idx(self) -> usize {
-        (self.0 >> Self::STEP_BITS) as usize
-    }
-
-    fn steps(self) -> u32 {
-        self.0 & ((1 << Self::STEP_BITS) - 1)
-    }
-
-    fn is_of(self, group: GroupRange) -> bool {
-        self.0.wrapping_sub(group.first.0) < group.n_values
-    }
-}
-
-/// A step to a position: the position, and the direction in four bits.
-#[derive(Debug, Clone, Copy, Default)]
-struct Step(u32);
-
-impl Step {
-    fn new(position: u32, direction: usize) -> Self {
-        Self(position << 4 | direction as u32)
-    }
-
-    fn position(self) -> u32 {
-        self.0 >> 4
-    }
-
-    fn direction(self) -> usize {
-        (self.0 & 15) as usize
-    }
-}
-
-/// The direction of a step to where it began, among those to all neighbours row by row.
-const NOWHERE: usize = 4;
 
 impl DenseGaps {
     /// No gaps yet, in grids of the geometry `grid`. The density decides which cells are near-empty and which gaps are none.
@@ -345,24 +283,14 @@ impl DenseGaps {
         steps: u32,
         mut n_met: usize,
     ) -> usize {
-        let n = self.n_along as u32;
         let position = from.position();
         let own = self.reached[position as usize];
         let group = self.group[own.conducting_idx()];
-        let offsets = [
-            n.wrapping_neg() - 1,
-            n.wrapping_neg(),
-            n.wrapping_neg() + 1,
-            1_u32.wrapping_neg(),
-            0,
-            1,
-            n - 1,
-            n,
-            n + 1,
-        ];
+        let n = self.n_along as i32;
+        let offsets = [-n - 1, -n, -n + 1, -1, 0, 1, n - 1, n, n + 1];
         let mut n_queued = self.n_queued;
         for direction in directions {
-            let neighbor = position.wrapping_add(offsets[direction]);
+            let neighbor = position.wrapping_add_signed(offsets[direction]);
             let reached = &mut self.reached[neighbor as usize];
             let other = *reached;
             let is_free = other == Reached::NOTHING;
@@ -422,6 +350,8 @@ impl Linkage for DenseGaps {
 
 #[cfg(test)]
 mod tests {
+    use std::collections::BTreeMap;
+
     use proptest::prelude::*;
 
     use super::*;
@@ -499,8 +429,72 @@ mod tests {
         assert_eq!(first.gaps.links, second.gaps.links);
     }
 
+    /// The links between groups as they are found without short cuts: every position looks at all eight around it.
+    fn plainly_linked(drawn: &DrawnGroups) -> [Vec<[u32; 2]>; N_LEVELS] {
+        let DrawnGroups { gaps, candidates, .. } = drawn;
+        let mut between: [Vec<[u32; 2]>; N_LEVELS] = Default::default();
+        let group_of = |it: usize| gaps.links.group_of_dense[gaps.conducting[it].dense_idx as usize];
+        let mut link = |pair: [usize; 2], steps: u32| {
+            between[gaps.level(candidates, pair, steps)].push(pair.map(group_of));
+        };
+        let mut order: Vec<usize> = (0..gaps.conducting.len()).collect();
+        order.sort_by_key(|&it| gaps.conducting[it].dense_idx);
+        let mut front: Vec<(u32, usize)> = order.iter().map(|&it| (gaps.conducting[it].at, it)).collect();
+        let mut reached: BTreeMap<u32, (usize, u32)> = front.iter().map(|&(at, it)| (at, (it, 0))).collect();
+        let n = gaps.n_along as u32;
+        let around =
+            |at: u32| [at - n - 1, at - n, at - n + 1, at - 1, at + 1, at + n - 1, at + n, at + n + 1];
+        for &(at, own) in &front {
+            for neighbor in [at + 1, at + n - 1, at + n, at + n + 1] {
+                if let Some(&(other, _)) = reached.get(&neighbor).filter(|it| group_of(it.0) != group_of(own))
+                {
+                    link([own, other], 1);
+                }
+            }
+        }
+        for steps in 0..gaps.params.n_rounds {
+            let mut next = Vec::new();
+            for (at, own) in std::mem::take(&mut front) {
+                for neighbor in around(at) {
+                    let Some(&(other, other_steps)) = reached.get(&neighbor) else {
+                        reached.insert(neighbor, (own, steps + 1));
+                        next.push((neighbor, own));
+                        continue;
+                    };
+                    let is_later = other_steps > steps || other_steps == steps && steps > 0 && neighbor > at;
+                    if group_of(other) != group_of(own) && is_later {
+                        link([own, other], steps + other_steps + 1);
+                    }
+                }
+            }
+            front = next;
+        }
+        between
+    }
+
     proptest! {
         #![proptest_config(ProptestConfig::with_cases(128))]
+        #[test]
+        fn groups_are_joined_as_if_every_position_looked_around(
+            heights in prop::collection::btree_map((0_u8..24, 0_u8..12), 1_u8..60, 2..40),
+        ) {
+            let heights: Vec<([u8; 2], u8)> = heights.into_iter().map(|((x, y), n)| ([x, y], n)).collect();
+            let drawn = columns(&heights);
+            let plain = plainly_linked(&drawn);
+            let n_dense = drawn.dense.statistics().len();
+            let [mut found, mut expected] = [DisjointSets::default(), DisjointSets::default()];
+            found.reset(n_dense);
+            expected.reset(n_dense);
+            for level in 0..N_LEVELS {
+                drawn.gaps.links.between[level].iter().for_each(|&[a, b]| found.join(a, b));
+                plain[level].iter().for_each(|&[a, b]| expected.join(a, b));
+                for dense_idx in 0..n_dense as u32 {
+                    let [found, expected] = [found.representative(dense_idx), expected.representative(dense_idx)];
+                    prop_assert_eq!(found, expected, "at level {}", level);
+                }
+            }
+        }
+
         #[test]
         fn two_columns_are_apart_by_the_longer_of_their_steps(
             from in prop::array::uniform2(8_u8..16),

@@ -3,6 +3,7 @@
 pub mod candidates;
 pub mod dense_cells;
 pub mod linkage;
+mod reached;
 pub mod dense_gaps;
 pub mod grouping_tree;
 #[cfg(test)]
