@@ -485,9 +485,13 @@ mod tests {
             let [mut found, mut expected] = [DisjointSets::default(), DisjointSets::default()];
             found.reset(n_dense);
             expected.reset(n_dense);
-            for level in 0..N_LEVELS {
-                drawn.gaps.links.between[level].iter().for_each(|&[a, b]| found.join(a, b));
-                plain[level].iter().for_each(|&[a, b]| expected.join(a, b));
+            for (level, (links, plain)) in drawn.gaps.links.between.iter().zip(&plain).enumerate() {
+                for &[a, b] in links {
+                    found.join(a, b);
+                }
+                for &[a, b] in plain {
+                    expected.join(a, b);
+                }
                 for dense_idx in 0..n_dense as u32 {
                     let [found, expected] = [found.representative(dense_idx), expected.representative(dense_idx)];
                     prop_assert_eq!(found, expected, "at level {}", level);
