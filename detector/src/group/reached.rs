@@ -8,7 +8,7 @@ pub(super) struct GroupRange {
     pub(super) n_values: u32,
 }
 
-/// Which conducting cell reached a position first, and in how many steps: both in four bytes, as there are many positions.
+/// Which conducting cell reached a position first, and in how many steps.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub(super) struct Reached(pub(super) u32);
 
