@@ -11,6 +11,7 @@ use detector::pipeline::foreground_stages::fill_grid;
 use detector::pipeline::frame::Frame;
 use detector::pipeline::object_stages::classification;
 use detector::pipeline::stage_list::{Pipeline, Stage, Stages};
+use detector::road_user::RoadUserOdds;
 use detector::stage_product::Shape;
 use detector::surface_class::SurfaceClass;
 use detector::{OrientedBox, PointCloud, StageProduct, stage};
@@ -51,7 +52,10 @@ pub fn pca(
     // Paper: VM section 6.
     let decide = move |fitted: &mut FittedObjects| {
         if let Some(model) = &model {
-            fitted.decide(|values| values.map_or(NO_VEHICLE, |it| model.decision_on(it)));
+            fitted.decide(|_, values| {
+                let decision = values.map_or(NO_VEHICLE, |it| model.decision_on(it));
+                RoadUserOdds::of_vehicle(decision)
+            });
         }
     };
     stages = stages.then(stage::CLASSIFICATION, classification(sizes, least_points, decide));
@@ -96,7 +100,7 @@ fn features(mut model: PcaVehicleModel) -> impl Stage {
     move |_: &PointCloud, frame: &mut Frame, _: &mut DetectorOutput| {
         frame
             .fitted
-            .describe(|bounding_box, positions_m| model.values(bounding_box, positions_m.iter().copied()));
+            .describe(|object, positions_m| model.values(&object.bounding_box, positions_m.iter().copied()));
     }
 }
 

@@ -25,7 +25,7 @@ impl DetectedClass {
     }
 }
 
-/// The class that a detector from elsewhere gives an object. The detectors of this project give none.
+/// The class that a detector gives an object, if that says more than [`DetectedClass`].
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct GivenClass {
     name: &'static str,
@@ -33,6 +33,11 @@ pub struct GivenClass {
 }
 
 impl GivenClass {
+    /// A person on foot, as the detectors of this project say it.
+    pub const PEDESTRIAN: Self = Self { name: "pedestrian", word: "pedestrian" };
+    /// A bicycle or motorcycle with its rider, as the detectors of this project say it.
+    pub const CYCLIST: Self = Self { name: "cyclist", word: "cyclist" };
+
     /// The class `name`, which the detector calls `word`.
     pub fn new(name: &str, word: &str) -> Self {
         Self { name: kept(name), word: kept(word) }
@@ -109,7 +114,8 @@ pub struct Detection<'a> {
     pub class: DetectedClass,
     /// The class that its detector gives, if that says more.
     pub given: Option<GivenClass>,
-    /// How sure the detector is that this is a vehicle; higher is surer, only the order matters. Never NaN.
+    /// How sure the detector is of the class that it gives, or else that this is a vehicle; higher is surer, only the order
+    /// matters. Never NaN.
     pub score: Option<f32>,
     /// Details of the box.
     pub box_details: BoxDetails,

@@ -2,8 +2,9 @@
 
 use std::time::{Duration, Instant};
 
-use crate::detection::{DetectedClass, Detection, Detections};
+use crate::detection::{Detection, Detections, GivenClass};
 use crate::point_cloud::PointCloud;
+use crate::road_user::{RoadUser, RoadUserOdds};
 use crate::rule::Rule;
 use crate::stage_product::StageProduct;
 
@@ -79,6 +80,11 @@ pub trait Detector: Send {
         None
     }
 
+    /// The classes that it may give its detections; none if it gives none.
+    fn given_classes(&self) -> Vec<GivenClass> {
+        Vec::new()
+    }
+
     /// The rules of the detector beside finding clusters, in the order of the stages.
     fn rules(&self) -> Vec<Rule> {
         Vec::new()
@@ -90,10 +96,10 @@ pub trait Detector: Send {
 pub struct DetectorOutput {
     /// The objects.
     pub detections: Detections,
-    /// Possible vehicles that were not classified as vehicles. Each has a score below all detections of vehicles; the score
-    /// of its box may be higher. Only protocols that rank detections use these. Some are among `detections` as objects,
-    /// others have too few points for that.
-    pub unlikely_vehicles: Detections,
+    /// Possible road users that were not classified as such. Each has a score below all detections of its class; the score
+    /// of its box may be higher. Only protocols that rank detections use these. Some are among `detections` as objects or as
+    /// road users of another class, others have too few points for that.
+    pub unlikely: Detections,
     /// How long each stage took, in the order of the stages.
     pub stage_times: Vec<StageTime>,
     /// Clusters that did not become detections because of their size.
@@ -102,42 +108,38 @@ pub struct DetectorOutput {
     pub n_left_uncut: usize,
 }
 
-/// The scores of unlikely vehicles.
+/// The log odds of unlikely road users.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct UnlikelyScores {
-    /// All scores are greater than this.
+pub struct UnlikelyOdds {
+    /// All are greater than this.
     pub above: f32,
-    /// All scores are no greater than this; scores of detections of vehicles are greater.
-    pub up_to: f32,
+    /// All are no greater than that of their class; those of detections of the class are greater.
+    pub up_to: RoadUserOdds,
 }
 
 impl DetectorOutput {
-    /// Appends a detection. If it is no vehicle but its score is one of `unlikely`, it is an unlikely vehicle, too.
-    pub fn push_ranked(&mut self, detection: Detection<'_>, unlikely: UnlikelyScores) {
-        self.detections.push(detection);
-        if detection.class == DetectedClass::Object {
-            self.rank(detection, unlikely);
-        }
-    }
-
-    /// Drops a cluster of too few points. If its score is one of `unlikely`, it becomes an unlikely vehicle.
-    pub fn drop_small(&mut self, cluster: Detection<'_>, unlikely: UnlikelyScores) {
+    /// Drops a cluster of too few points, of these `odds`. It becomes an unlikely road user if they are those of one.
+    pub fn drop_small(&mut self, cluster: Detection<'_>, odds: RoadUserOdds, unlikely: UnlikelyOdds) {
         let n_points = cluster.point_indices.len();
         self.dropped_clusters.push(DroppedCluster { n_points, reason: DropReason::TooFewPoints });
-        self.rank(cluster, unlikely);
+        self.rank(cluster, odds, unlikely);
     }
 
-    /// Adds `detection` to the unlikely vehicles if its score is one of `unlikely`.
-    pub fn rank(&mut self, detection: Detection<'_>, unlikely: UnlikelyScores) {
-        if detection.score.is_some_and(|it| it > unlikely.above && it <= unlikely.up_to) {
-            self.unlikely_vehicles.push(Detection { class: DetectedClass::Vehicle, ..detection });
+    /// Adds `detection`, of these `odds`, to the unlikely road users, once for each class of which its odds are unlikely.
+    pub fn rank(&mut self, detection: Detection<'_>, odds: RoadUserOdds, unlikely: UnlikelyOdds) {
+        for road_user in RoadUser::ALL {
+            let score = odds.of(road_user);
+            if score > unlikely.above && score <= unlikely.up_to.of(road_user) {
+                let (class, given) = (road_user.class(), road_user.given());
+                self.unlikely.push(Detection { class, given, score: Some(score), ..detection });
+            }
         }
     }
 
     /// Forgets the content and keeps the memory.
     pub fn clear(&mut self) {
         self.detections.clear();
-        self.unlikely_vehicles.clear();
+        self.unlikely.clear();
         self.stage_times.clear();
         self.dropped_clusters.clear();
         self.n_left_uncut = 0;

@@ -1,4 +1,4 @@
-//! A hierarchical grid that finds objects in LiDAR scans, and models that classify vehicles among them.
+//! A hierarchical grid that finds objects in LiDAR scans, and models that classify road users among them.
 //!
 //! There are two detectors, both lists of stages: [`hierarchical`](pipeline::tree_detector::hierarchical), and
 //! [`paper`](pipeline::paper_detector::paper), the method exactly as published.
@@ -45,6 +45,7 @@ pub mod seeded_draws;
 pub mod point_cloud;
 pub mod oriented_box;
 pub mod detection;
+pub mod road_user;
 pub mod surface_class;
 pub mod stage_product;
 pub mod rule;

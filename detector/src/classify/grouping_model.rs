@@ -1,10 +1,10 @@
-//! Which groups of points are objects, and which objects are vehicles, by boosted trees.
+//! Which groups of points are objects, and which objects are road users, by boosted trees.
 
 use std::sync::{Arc, LazyLock};
 
-use crate::classify::forest::Forest;
 use crate::classify::model_file::{ModelFile, ModelFileError};
 use crate::classify::refinement_forests::{LEAST_EXPECTED_IOU, N_REFINEMENTS, RefinementForests};
+use crate::classify::road_user_forests::RoadUserForests;
 use crate::describe::prototype_library::PrototypeLibrary;
 use crate::describe::trained_file::Provenance;
 use crate::describe::vehicle_features::{N_FEATURES, VEHICLE_FEATURES, joined};
@@ -58,15 +58,14 @@ pub const GROUPING_MODEL: &str = "groupings";
 /// The forests in it.
 const OBJECTS: &str = "objects";
 const REFINEMENTS: [&str; N_REFINEMENTS] = ["objects, second round", "objects, third round"];
-const VEHICLES: &str = "vehicles";
 
 /// All forests, and the prototypes that the one of vehicles was trained with.
 #[derive(Debug, Clone, PartialEq)]
 pub struct GroupingModel {
     /// The expected IoU of a group with an annotated object.
     pub objects: RefinementForests,
-    /// The logarithm of the odds that a group is a vehicle.
-    pub vehicles: Forest<N_VEHICLE_VALUES>,
+    /// The odds that a group is a road user.
+    pub road_users: RoadUserForests<N_VEHICLE_VALUES>,
     /// The prototypes that side profiles are compared with.
     pub library: PrototypeLibrary,
 }
@@ -102,14 +101,14 @@ impl GroupingModel {
                 first: file.forest(OBJECTS, NODE_VALUES)?,
                 more: [file.forest(second, REFINEMENT_VALUES)?, file.forest(third, REFINEMENT_VALUES)?],
             },
-            vehicles: file.forest(VEHICLES, VEHICLE_VALUES)?,
+            road_users: RoadUserForests::of(file, VEHICLE_VALUES)?,
             library: file.prototypes()?,
         })
     }
 
     /// The file of this model as one of kind `model`, with `more` constants.
     pub fn to_file(&self, model: &str, made: Provenance, more: toml::Table) -> ModelFile {
-        let Self { objects, vehicles, library } = self;
+        let Self { objects, road_users, library } = self;
         let mut constants = Self::constants();
         constants.extend(more);
         let mut file = ModelFile::new(model, made, constants).with_prototypes(library);
@@ -117,7 +116,7 @@ impl GroupingModel {
         for (name, forest) in REFINEMENTS.into_iter().zip(&objects.more) {
             file = file.with_forest(name, REFINEMENT_VALUES, forest);
         }
-        file.with_forest(VEHICLES, VEHICLE_VALUES, vehicles)
+        road_users.in_file(file, VEHICLE_VALUES)
     }
 
     /// Constants that forests are trained with: a program with other values refuses the forests.

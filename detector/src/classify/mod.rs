@@ -14,7 +14,8 @@ pub mod svm_model;
 pub mod svm_training;
 pub mod nu_svm;
 
-// Which objects are vehicles.
+// Which objects are road users.
+pub mod road_user_forests;
 pub mod vehicle_model;
 pub mod paper_model;
 

@@ -271,6 +271,11 @@ impl ModelFile {
         Ok(bytes)
     }
 
+    /// Whether there is a part of this name.
+    pub fn has_part(&self, name: &str) -> bool {
+        self.head.parts.iter().any(|it| it.name == name)
+    }
+
     fn part(&self, name: &'static str) -> Result<(&PartHead, &[u8]), ModelFileError> {
         let mut parts = self.head.parts.iter().zip(&self.parts);
         let found = parts.find(|(head, _)| head.name == name).ok_or(ModelFileError::MissingPart { name })?;

@@ -4,6 +4,7 @@ use std::ops::Range;
 
 use crate::detection::{DetectedClass, Detection};
 use crate::oriented_box::OrientedBox;
+use crate::road_user::{MayBe, RoadUserOdds};
 
 /// The objects of one scan after another, in reusable buffers.
 #[derive(Debug, Clone, Default)]
@@ -24,23 +25,21 @@ pub struct FittedObject {
     pub members: Range<usize>,
     /// The box around them.
     pub bounding_box: OrientedBox,
-    /// How surely it is a vehicle, once a model has decided.
-    pub decision: Option<f32>,
-    /// Whether it is kept only if a model classifies it as a vehicle.
+    /// The classes of road users that it may have by its size.
+    pub may_be: MayBe,
+    /// How surely it is a road user of each class, once a model has decided.
+    pub odds: Option<RoadUserOdds>,
+    /// Whether it is kept only if a model classifies it as a road user.
     pub has_low_iou: bool,
     hull: Range<usize>,
     values: Option<Range<usize>>,
 }
 
 impl FittedObject {
-    /// Whether a model classifies it as a vehicle: its decision is above `least_decision`.
-    pub fn is_predicted_vehicle(&self, least_decision: f32) -> bool {
-        self.decision.is_some_and(|it| it > least_decision)
-    }
-
-    /// The detection of this object; `members` are its points and those of others.
-    pub fn detection<'a>(&self, members: &'a Members, class: DetectedClass) -> Detection<'a> {
-        Detection::new(members.point_indices(&self.members), self.bounding_box, class, self.decision)
+    /// Its points and its box as a detection without a class; `members` are its points and those of others.
+    pub fn detection<'a>(&self, members: &'a Members) -> Detection<'a> {
+        let points = members.point_indices(&self.members);
+        Detection::new(points, self.bounding_box, DetectedClass::Object, None)
     }
 }
 
@@ -67,32 +66,32 @@ impl FittedObjects {
         point_indices.extend(points.map(|(point_idx, _)| point_idx));
         self.hulls_m.extend_from_slice(hull_m);
         let (members, hull) = (start..point_indices.len(), hull_start..self.hulls_m.len());
-        let (decision, has_low_iou, values) = (None, false, None);
-        self.objects.push(FittedObject { members, bounding_box, decision, has_low_iou, hull, values });
+        let (may_be, odds, has_low_iou, values) = (MayBe::ALL, None, false, None);
+        self.objects.push(FittedObject { members, bounding_box, may_be, odds, has_low_iou, hull, values });
         self.objects.last_mut().expect("it was pushed")
     }
 
-    /// Records the values of a model, which `describe` returns for the box and the positions of each object, if any.
+    /// Records the values of a model, which `describe` returns for each object and the positions of its
+    /// points, if any.
     pub fn describe<const N: usize>(
         &mut self,
-        mut describe: impl FnMut(&OrientedBox, &[[f32; 3]]) -> Option<[f32; N]>,
+        mut describe: impl FnMut(&mut FittedObject, &[[f32; 3]]) -> Option<[f32; N]>,
     ) {
         let Self { objects, members, values, .. } = self;
         values.clear();
         for object in objects {
             let start = values.len();
-            values.extend(
-                describe(&object.bounding_box, members.positions_m(&object.members)).iter().flatten(),
-            );
+            let positions_m = members.positions_m(&object.members);
+            values.extend(describe(object, positions_m).iter().flatten());
             object.values = (values.len() > start).then_some(start..values.len());
         }
     }
 
     /// Decides about each object by the values that [`Self::describe`] recorded.
-    pub fn decide<const N: usize>(&mut self, decide: impl Fn(Option<&[f32; N]>) -> f32) {
+    pub fn decide<const N: usize>(&mut self, decide: impl Fn(MayBe, Option<&[f32; N]>) -> RoadUserOdds) {
         for object in &mut self.objects {
             let values = object.values.clone().map(|it| &self.values[it]);
-            object.decision = Some(decide(values.and_then(|it| it.as_array())));
+            object.odds = Some(decide(object.may_be, values.and_then(|it| it.as_array())));
         }
     }
 
@@ -101,12 +100,9 @@ impl FittedObjects {
         self.values.as_chunks().0
     }
 
-    /// Takes a decision for each of [`Self::values`].
-    pub fn take_decisions(&mut self, decisions: &[f32]) {
-        let described = self.objects.iter_mut().filter(|it| it.values.is_some());
-        for (object, &decision) in described.zip(decisions) {
-            object.decision = Some(decision);
-        }
+    /// The described objects, in the order of [`Self::values`].
+    pub fn described_mut(&mut self) -> impl Iterator<Item = &mut FittedObject> {
+        self.objects.iter_mut().filter(|it| it.values.is_some())
     }
 
     /// The convex hull of an object on the ground plan, in metres, counter-clockwise.

@@ -2,6 +2,7 @@
 
 use crate::fit::convex_hull::convex_hull;
 use crate::fit::convex_hull_box::{direction, half_turn_yaw};
+use crate::fit::strays::without_strays;
 use crate::oriented_box::OrientedBox;
 use crate::portable_math::single;
 use crate::vector_instructions::{HotLoop, greater, lesser, vectorised};
@@ -55,7 +56,7 @@ impl OutlineBox {
     /// The box around `positions_m` with its sides along the outline: the points nearest to the sensor, which is the origin,
     /// at each azimuth. The direction is that of the edge of the outline's hull to whose sides these points are closest on
     /// average, or one or two degrees beside it. A point counts at most 0.3 m, and a side is found without the outermost one
-    /// of a hundred points. The box itself holds all points.
+    /// of a hundred points. The box itself holds all points but [strays](without_strays).
     ///
     /// Length is the longer side and the yaw lies in (−π/2, π/2]. One point gives a box of no length and no width at yaw 0,
     /// points on a line one along it. `None` without points. All must be finite.
@@ -241,14 +242,21 @@ impl HotLoop for Distances<'_> {
     }
 }
 
-/// The box around points, at least one, with a side along `along`, a unit vector.
+/// The box around points, at least one, but [strays](without_strays), with a side along `along`, a unit vector.
 pub fn box_along([cos, sin]: [f32; 2], positions_m: &[[f32; 3]]) -> OrientedBox {
     let mut low_m = [f32::INFINITY; 3];
     let mut high_m = [f32::NEG_INFINITY; 3];
-    for &[x_m, y_m, z_m] in positions_m {
-        for (axis, it_m) in [x_m * cos + y_m * sin, y_m * cos - x_m * sin, z_m].into_iter().enumerate() {
+    let turned_m = |&[x_m, y_m, z_m]: &[f32; 3]| [x_m * cos + y_m * sin, y_m * cos - x_m * sin, z_m];
+    for position_m in positions_m {
+        for (axis, it_m) in turned_m(position_m).into_iter().enumerate() {
             low_m[axis] = lesser(it_m, low_m[axis]);
             high_m[axis] = greater(it_m, high_m[axis]);
+        }
+    }
+    for axis in 0..2 {
+        let values_m = positions_m.iter().map(|it| turned_m(it)[axis]);
+        if let Some(kept_m) = without_strays([low_m[axis], high_m[axis]], values_m) {
+            [low_m[axis], high_m[axis]] = kept_m;
         }
     }
     let middle_m: [f32; 3] = std::array::from_fn(|axis| 0.5 * (low_m[axis] + high_m[axis]));

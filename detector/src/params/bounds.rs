@@ -138,6 +138,8 @@ pub const HIERARCHICAL_BOUNDS: &[Bounds] = &[
     Bounds::new("cluster.min_points", 1.0, f64::INFINITY),
     Bounds::new("cluster.min_vehicle_points", 1.0, f64::INFINITY),
     Bounds::new("cluster.min_vehicle_probability", 0.01, 0.99),
+    Bounds::new("cluster.min_pedestrian_probability", 0.01, 0.99),
+    Bounds::new("cluster.min_cyclist_probability", 0.01, 0.99),
     Bounds::new("vehicle_size.min_points", 0.0, f64::INFINITY),
     Bounds::new("vehicle_size.min_length_m", 0.0, 100.0),
     Bounds::new("vehicle_size.max_length_m", 0.0, 100.0),

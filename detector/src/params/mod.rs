@@ -7,7 +7,6 @@ use serde::Deserialize;
 
 use self::bounds::{HIERARCHICAL_BOUNDS, check_bounds};
 use crate::classify::size_gate::SizeGateParams;
-use crate::classify::vehicle_model::VehicleRule;
 use crate::complete::completion::CompletionParams;
 use crate::describe::seen_size::VehicleBoundsParams;
 use crate::grid::density_curve::{DensityCurve, ImplausibleCurve};
@@ -18,6 +17,7 @@ use crate::group::dense_gaps::DenseGapsParams;
 use crate::group::leaf_cuts::LeafCutsParams;
 use crate::group::node_values::NodeBoundsParams;
 use crate::portable_math::ln;
+use crate::road_user::{RoadUserOdds, RoadUserRule};
 use crate::segment::foreground::ForegroundParams;
 use crate::segment::ground_segmentation::GroundSegmentationParams;
 use crate::segment::terrain::TerrainParams;
@@ -128,6 +128,10 @@ pub struct ClusterParams {
     pub min_vehicle_points: usize,
     /// A model classifies an object as a vehicle if it is one with more than this probability.
     pub min_vehicle_probability: f32,
+    /// And as a pedestrian with more than this.
+    pub min_pedestrian_probability: f32,
+    /// And as a cyclist with more than this.
+    pub min_cyclist_probability: f32,
     /// Fewest points of an object.
     pub min_points: usize,
 }
@@ -138,11 +142,13 @@ impl ClusterParams {
         self.min_vehicle_points.min(self.min_points)
     }
 
-    /// Thresholds by which an object that a model judged is a vehicle.
-    pub fn vehicle_rule(&self) -> VehicleRule {
-        VehicleRule {
+    /// Thresholds by which an object that a model judged is a road user.
+    pub fn road_user_rule(&self) -> RoadUserRule {
+        let least =
+            [self.min_vehicle_probability, self.min_pedestrian_probability, self.min_cyclist_probability];
+        RoadUserRule {
             least_points: self.least_vehicle_points(),
-            least_decision: log_odds(self.min_vehicle_probability),
+            least_odds: RoadUserOdds(least.map(log_odds)),
         }
     }
 }

@@ -4,13 +4,13 @@ use std::sync::Arc;
 
 use crate::classify::paper_model::NO_VEHICLE;
 use crate::classify::size_gate::{SizeGateParams, size_gate};
-use crate::classify::vehicle_model::{VehicleModel, VehicleRule, class_by_decision};
+use crate::classify::vehicle_model::VehicleModel;
 use crate::complete::completed_object::{box_with_points, merge_points};
 use crate::complete::completion::Completion;
 use crate::describe::seen_size::VehicleBoundsParams;
 use crate::describe::surroundings::{ObjectRaster, Surroundings};
-use crate::detection::{DetectedClass, Detection};
-use crate::detector::{DetectorOutput, UnlikelyScores};
+use crate::detection::{DetectedClass, Detection, GivenClass};
+use crate::detector::{DetectorOutput, UnlikelyOdds};
 use crate::drawn::point_clusters::point_clusters;
 use crate::drawn::vehicle_shapes::vehicle_shapes;
 use crate::fit::fitted_objects::{FittedObject, FittedObjects};
@@ -18,10 +18,11 @@ use crate::params::{ClusterParams, HierarchicalParams, log_odds};
 use crate::pipeline::frame::Frame;
 use crate::pipeline::stage_list::{Stage, Stages};
 use crate::point_cloud::PointCloud;
+use crate::road_user::{RoadUser, RoadUserOdds, RoadUserRule};
 use crate::rule::Rule;
 use crate::stage;
 use crate::stage_product::StageProduct;
-use crate::whole::box_model::BoxModel;
+use crate::whole::box_model::BoxModels;
 use crate::whole::reported_boxes::ReportedBoxes;
 
 /// The models of detectors that classify objects with boxes.
@@ -30,7 +31,7 @@ pub struct ObjectModels {
     /// Classifies vehicles; without it, their size does.
     pub vehicles: Option<VehicleModel>,
     /// Makes whole boxes; without it, the model of the program does.
-    pub boxes: Option<Arc<BoxModel>>,
+    pub boxes: Option<Arc<BoxModels>>,
 }
 
 /// Classes, completion and reported boxes.
@@ -41,20 +42,20 @@ pub fn object_stages(params: &HierarchicalParams, models: ObjectModels) -> Stage
         let model = model.within(bounds);
         let raster = ObjectRaster::new(params.grid.extent_m);
         stages = stages
-            .then(stage::FEATURES, Features { model: model.clone(), bounds, raster })
+            .then(stage::FEATURES, Features { model: model.clone(), raster })
             .then(stage::CLASSIFICATION, Decisions { model, bounds, cluster });
     }
     stages.and(completion_stages(params, models.boxes))
 }
 
 /// Completion and reported boxes.
-pub fn completion_stages(params: &HierarchicalParams, box_model: Option<Arc<BoxModel>>) -> Stages {
+pub fn completion_stages(params: &HierarchicalParams, box_model: Option<Arc<BoxModels>>) -> Stages {
     let completed = CompletedObjects {
         cluster: params.cluster.clone(),
         sizes: params.vehicle_size.clone(),
-        unlikely: UnlikelyScores {
+        unlikely: UnlikelyOdds {
             above: log_odds(params.grouping.ranked_probability),
-            up_to: params.cluster.vehicle_rule().least_decision,
+            up_to: params.cluster.road_user_rule().least_odds,
         },
         completion: Completion::new(params.completion.clone()),
         point_indices: Vec::new(),
@@ -69,13 +70,28 @@ pub fn least_points(cluster: &ClusterParams, model: Option<&VehicleModel>) -> us
     if model.is_some() { cluster.least_vehicle_points() } else { cluster.min_points }
 }
 
-/// The class of an object: by the decision of a model and `rule` if there is one; else by its size.
-fn class_of(object: &FittedObject, sizes: &SizeGateParams, rule: VehicleRule) -> DetectedClass {
+/// Appends `detection` of `object` with its class: by the odds of a model and `rule` if there are some; else by its size. It
+/// is added to the unlikely road users of the other classes, too.
+fn push_classified(
+    object: &FittedObject,
+    detection: Detection<'_>,
+    (sizes, rule): (&SizeGateParams, RoadUserRule),
+    unlikely: UnlikelyOdds,
+    output: &mut DetectorOutput,
+) {
     let n_points = object.members.len();
-    match object.decision {
-        Some(_) => class_by_decision(object.decision, n_points, rule),
-        None => size_gate(n_points, &object.bounding_box, sizes),
-    }
+    let Some(odds) = object.odds else {
+        let class = size_gate(n_points, &object.bounding_box, sizes);
+        output.detections.push(Detection { class, ..detection });
+        return;
+    };
+    let found = rule.road_user(odds, n_points);
+    // How sure it is of a vehicle, where it is no other road user.
+    let of = found.unwrap_or(RoadUser::Vehicle);
+    let class = found.map_or(DetectedClass::Object, RoadUser::class);
+    let given = found.and_then(RoadUser::given);
+    output.detections.push(Detection { class, given, score: Some(odds.of(of)), ..detection });
+    output.rank(detection, odds, unlikely);
 }
 
 /// [`Rule::SmallVehicles`], if vehicles may have fewer points than other objects.
@@ -87,20 +103,21 @@ pub fn small_vehicles(cluster: &ClusterParams) -> Option<Rule> {
 /// Computes the values that a model of trees looks at.
 struct Features {
     model: VehicleModel,
-    bounds: VehicleBoundsParams,
     raster: ObjectRaster,
 }
 
 impl Stage for Features {
     fn run(&mut self, _: &PointCloud, frame: &mut Frame, _: &mut DetectorOutput) {
-        let Self { model, bounds, raster } = self;
+        let Self { model, raster } = self;
         let Frame { grid, terrain, fitted, .. } = frame;
         raster.fill(fitted.members.all_positions_m().iter().copied());
-        fitted.describe(|bounding_box, positions_m| {
+        fitted.describe(|object, positions_m| {
+            let bounding_box = &object.bounding_box;
             let [x_m, y_m, _] = bounding_box.center_m;
             let ground_m = terrain.elevation_m(grid.nearest_column_and_row([x_m, y_m]));
+            object.may_be = model.may_be(bounding_box, ground_m);
             // For objects that the model is not asked about, only the ground is found.
-            let surroundings = if bounds.allow(bounding_box, ground_m) {
+            let surroundings = if object.may_be.allows_any() {
                 raster.around(bounding_box, ground_m)
             } else {
                 Surroundings { ground_m, ..Surroundings::default() }
@@ -123,7 +140,11 @@ struct Decisions {
 
 impl Stage for Decisions {
     fn run(&mut self, _: &PointCloud, frame: &mut Frame, _: &mut DetectorOutput) {
-        frame.fitted.decide(|values| self.model.decision_on(values));
+        frame.fitted.decide(|may_be, values| self.model.odds(may_be, values));
+    }
+
+    fn given_classes(&self) -> Vec<GivenClass> {
+        self.model.given_classes()
     }
 
     fn rules(&self, _: &Frame) -> Vec<Rule> {
@@ -139,14 +160,13 @@ pub fn classification(
     least_points: usize,
     decide: impl Fn(&mut FittedObjects) + Send,
 ) -> impl Stage {
-    let rule = VehicleRule { least_points, least_decision: 0.0 };
-    let unlikely = UnlikelyScores { above: NO_VEHICLE, up_to: rule.least_decision };
+    let rule = RoadUserRule { least_points, least_odds: RoadUserOdds::of_vehicle(0.0) };
+    let unlikely = UnlikelyOdds { above: NO_VEHICLE, up_to: rule.least_odds };
     move |_: &PointCloud, frame: &mut Frame, output: &mut DetectorOutput| {
         decide(&mut frame.fitted);
         let FittedObjects { objects, members, .. } = &frame.fitted;
         for object in objects {
-            let class = class_of(object, &sizes, rule);
-            output.push_ranked(object.detection(members, class), unlikely);
+            push_classified(object, object.detection(members), (&sizes, rule), unlikely, output);
         }
     }
 }
@@ -156,29 +176,32 @@ pub fn classification(
 struct CompletedObjects {
     cluster: ClusterParams,
     sizes: SizeGateParams,
-    unlikely: UnlikelyScores,
+    unlikely: UnlikelyOdds,
     completion: Completion,
     point_indices: Vec<u32>,
 }
 
 impl CompletedObjects {
-    /// Drops objects of too low an expected IoU or too few points, unless they are vehicles: a car far away shows few
+    /// Drops objects of too low an expected IoU or too few points, unless they are road users: a car far away shows few
     /// points.
     fn drop_background(&self, fitted: &mut FittedObjects, output: &mut DetectorOutput) {
         let FittedObjects { objects, members, .. } = fitted;
-        let least_decision = self.cluster.vehicle_rule().least_decision;
+        // Those of fewer points were dropped before.
+        let rule = self.cluster.road_user_rule();
+        let is_road_user =
+            |it: &FittedObject| it.odds.is_some_and(|odds| rule.road_user(odds, it.members.len()).is_some());
+        let odds = |it: &FittedObject| it.odds.unwrap_or(RoadUserOdds::NONE);
         objects.retain(|it| {
-            let is_kept = !it.has_low_iou || it.is_predicted_vehicle(least_decision);
+            let is_kept = !it.has_low_iou || is_road_user(it);
             if !is_kept {
-                output.rank(it.detection(members, DetectedClass::Object), self.unlikely);
+                output.rank(it.detection(members), odds(it), self.unlikely);
             }
             is_kept
         });
         objects.retain(|it| {
-            let is_kept =
-                it.members.len() >= self.cluster.min_points || it.is_predicted_vehicle(least_decision);
+            let is_kept = it.members.len() >= self.cluster.min_points || is_road_user(it);
             if !is_kept {
-                output.drop_small(it.detection(members, DetectedClass::Object), self.unlikely);
+                output.drop_small(it.detection(members), odds(it), self.unlikely);
             }
             is_kept
         });
@@ -205,9 +228,9 @@ impl Stage for CompletedObjects {
             merge_points(members.point_indices(&object.members), added.clone(), &mut point_indices);
             let bounding_box = box_with_points(object.bounding_box, cloud, added);
             // Points that were added do not count for the class: no model is trained on them.
-            let class = class_of(object, &self.sizes, self.cluster.vehicle_rule());
-            let detection = Detection::new(&point_indices, bounding_box, class, object.decision);
-            output.push_ranked(detection, self.unlikely);
+            let detection = Detection::new(&point_indices, bounding_box, DetectedClass::Object, None);
+            let rules = (&self.sizes, self.cluster.road_user_rule());
+            push_classified(object, detection, rules, self.unlikely, output);
         }
         self.point_indices = point_indices;
     }

@@ -14,6 +14,7 @@ use crate::pipeline::frame::Frame;
 use crate::pipeline::object_stages::classification;
 use crate::pipeline::stage_list::{Pipeline, Stage};
 use crate::point_cloud::PointCloud;
+use crate::road_user::RoadUserOdds;
 use crate::segment::dense_separation::DenseSeparation;
 use crate::stage;
 use crate::stage_product::StageProduct;
@@ -59,7 +60,7 @@ pub fn paper(
     }
     let decide = move |fitted: &mut FittedObjects| {
         if let Some(model) = &model {
-            fitted.decide(|values| model.decision_on(values));
+            fitted.decide(|_, values| RoadUserOdds::of_vehicle(model.decision_on(values)));
         }
     };
     stages =
@@ -72,9 +73,9 @@ pub fn paper(
 /// Paper: VM sections 4 and 5.
 impl Stage for PaperModel {
     fn run(&mut self, _: &PointCloud, frame: &mut Frame, _: &mut DetectorOutput) {
-        let values =
-            |bounding_box: &_, positions_m: &[_]| self.values(bounding_box, positions_m.iter().copied());
-        frame.fitted.describe(values);
+        frame
+            .fitted
+            .describe(|object, positions_m| self.values(&object.bounding_box, positions_m.iter().copied()));
     }
 
     fn products(&self, _: &PointCloud, frame: &Frame) -> Vec<StageProduct> {

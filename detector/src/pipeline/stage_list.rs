@@ -1,5 +1,6 @@
 //! A detector as a list of stages.
 
+use crate::detection::GivenClass;
 use crate::detector::{Detector, DetectorOutput, StageClock};
 use crate::pipeline::frame::Frame;
 use crate::point_cloud::PointCloud;
@@ -15,6 +16,11 @@ pub trait Stage: Send {
 
     /// Its products of the latest scan, which is `cloud`. Asked when all stages have run.
     fn products(&self, _cloud: &PointCloud, _frame: &Frame) -> Vec<StageProduct> {
+        Vec::new()
+    }
+
+    /// The classes that it may give detections.
+    fn given_classes(&self) -> Vec<GivenClass> {
         Vec::new()
     }
 
@@ -109,6 +115,10 @@ impl Detector for Pipeline {
 
     fn ground_points(&self, cloud: &PointCloud) -> Option<Vec<bool>> {
         self.frame.ground_points(cloud)
+    }
+
+    fn given_classes(&self) -> Vec<GivenClass> {
+        self.stages.0.iter().flat_map(|(_, stage)| stage.given_classes()).collect()
     }
 
     fn rules(&self) -> Vec<Rule> {

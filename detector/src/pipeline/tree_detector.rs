@@ -4,7 +4,9 @@ use std::sync::Arc;
 
 use crate::classify::grouping_model::{GroupingModel, vehicle_values};
 use crate::classify::refinement_forests::RefinementBuffers;
+use crate::describe::seen_size::VehicleBoundsParams;
 use crate::describe::vehicle_features::VehicleDescriber;
+use crate::detection::GivenClass;
 use crate::detector::DetectorOutput;
 use crate::drawn::fitted_boxes::fitted_boxes;
 use crate::drawn::point_clusters::point_clusters;
@@ -17,10 +19,11 @@ use crate::pipeline::grouping_stages::grouping;
 use crate::pipeline::object_stages::{completion_stages, small_vehicles};
 use crate::pipeline::stage_list::{Pipeline, Stage};
 use crate::point_cloud::PointCloud;
+use crate::road_user::{RoadUser, RoadUserOdds};
 use crate::rule::Rule;
 use crate::stage;
 use crate::stage_product::StageProduct;
-use crate::whole::box_model::BoxModel;
+use crate::whole::box_model::BoxModels;
 
 /// Models of a detector of groups.
 #[derive(Debug, Clone)]
@@ -30,7 +33,7 @@ pub struct GroupModels {
     /// How vehicles are classified.
     pub vehicles: VehiclesBy,
     /// Boxes of whole vehicles; those of the model that comes with the program if there is none.
-    pub boxes: Option<Arc<BoxModel>>,
+    pub boxes: Option<Arc<BoxModels>>,
 }
 
 /// How groups are classified as vehicles.
@@ -75,8 +78,15 @@ pub fn best_cut(
         .then(stage::BOXES, GroupBoxes::default());
     if vehicles == VehiclesBy::Model {
         let describer = VehicleDescriber::new(model.library.clone());
-        let (cluster, decisions) = (params.cluster.clone(), Vec::new());
-        stages = stages.then(stage::CLASSIFICATION, GroupDecisions { model, cluster, describer, decisions });
+        let decisions = GroupDecisions {
+            model,
+            bounds: params.vehicle_bounds,
+            cluster: params.cluster.clone(),
+            describer,
+            asked: Vec::new(),
+            sums: Vec::new(),
+        };
+        stages = stages.then(stage::CLASSIFICATION, decisions);
     }
     Pipeline { name, frame: grouping.frame, stages: stages.and(completion_stages(params, boxes)) }
 }
@@ -181,34 +191,62 @@ impl Stage for GroupBoxes {
     }
 }
 
-/// The model of groups classifies vehicles, by the values of groups and those of their points.
+/// The model of groups classifies road users, by the values of groups and those of their points.
 struct GroupDecisions {
     model: Arc<GroupingModel>,
+    bounds: VehicleBoundsParams,
     cluster: ClusterParams,
     describer: VehicleDescriber,
-    decisions: Vec<f32>,
+    // Of the described objects, those that are asked about for a class, and their odds.
+    asked: Vec<usize>,
+    sums: Vec<f32>,
 }
 
 impl Stage for GroupDecisions {
     fn run(&mut self, _: &PointCloud, frame: &mut Frame, _: &mut DetectorOutput) {
-        let Self { model, describer, decisions, .. } = self;
+        let Self { model, bounds, describer, asked, sums, .. } = self;
         let Frame { groups, fitted, .. } = frame;
         let mut taken = groups.taken.iter();
-        fitted.describe(|bounding_box, positions_m| {
+        fitted.describe(|object, positions_m| {
             let node = groups.describer.of_node(*taken.next()?)?;
-            let features =
-                describer.describe(bounding_box, &node.surroundings, positions_m.iter().copied())?;
+            object.may_be = bounds.allow(&object.bounding_box, node.surroundings.ground_m);
+            if !object.may_be.allows_any() {
+                return None;
+            }
+            let positions_m = positions_m.iter().copied();
+            let features = describer.describe(&object.bounding_box, &node.surroundings, positions_m)?;
             Some(vehicle_values(&features, &node.values))
         });
-        model.vehicles.sums(fitted.values().iter(), decisions);
-        fitted.take_decisions(decisions);
+        for object in &mut fitted.objects {
+            object.odds = Some(RoadUserOdds::NONE);
+        }
+        for road_user in RoadUser::ALL {
+            let Some(forest) = model.road_users.of_class(road_user) else { continue };
+            asked.clear();
+            let may_be = fitted.described_mut().enumerate().filter(|(_, it)| it.may_be.allows(road_user));
+            asked.extend(may_be.map(|(index, _)| index));
+            forest.sums(asked.iter().map(|&it| &fitted.values()[it]), sums);
+            let mut found = asked.iter().zip(&*sums).peekable();
+            for (index, object) in fitted.described_mut().enumerate() {
+                if let Some((_, &sum)) = found.next_if(|(asked, _)| **asked == index)
+                    && let Some(RoadUserOdds(odds)) = &mut object.odds
+                {
+                    odds[road_user as usize] = sum;
+                }
+            }
+        }
     }
 
     fn products(&self, _: &PointCloud, frame: &Frame) -> Vec<StageProduct> {
         vehicle_shapes(&self.model.library, &frame.fitted)
     }
 
+    fn given_classes(&self) -> Vec<GivenClass> {
+        self.model.road_users.given_classes()
+    }
+
     fn rules(&self, _: &Frame) -> Vec<Rule> {
-        small_vehicles(&self.cluster).into_iter().collect()
+        let bounds = self.bounds.enabled.then_some(Rule::SizeBounds);
+        small_vehicles(&self.cluster).into_iter().chain(bounds).collect()
     }
 }

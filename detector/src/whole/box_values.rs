@@ -1,7 +1,8 @@
-//! The values from which the box of a whole vehicle is predicted.
+//! The values from which the box of a whole road user is predicted.
 
 use crate::oriented_box::OrientedBox;
 use crate::portable_math::single;
+use crate::vector_instructions::greater;
 use crate::whole::seen_frame::SeenFrame;
 
 /// Slices along the length and along the width.
@@ -11,6 +12,9 @@ const N_ACROSS: usize = 4;
 const AT_SIDE_M: f32 = 0.25;
 /// Points this far above the ground are above the bonnet of a car, in metres.
 const HIGH_M: f32 = 1.1;
+
+/// Positions are rounded by less, in metres.
+const ROUNDING_M: f32 = 1e-3;
 
 /// Number of values.
 pub const N_BOX_VALUES: usize = 28;
@@ -47,7 +51,7 @@ pub const BOX_VALUES: [&str; N_BOX_VALUES] = [
     "is_turned",
 ];
 
-/// The index of `is_turned`: whether the vehicle is longer along the width of its seen part. Unknown at first, and 0 then.
+/// The index of `is_turned`: whether the road user is longer along the width of its seen part. Unknown at first, and 0 then.
 pub const IS_TURNED: usize = N_BOX_VALUES - 1;
 
 /// The values of an object with these points and this box around them, whose frame is `frame`, above ground of elevation
@@ -64,8 +68,14 @@ pub fn box_values(
     let mut n_high = 0_u32;
     let scale = |n: usize, half_m: f32| if half_m > 0.0 { n as f32 / (2.0 * half_m) } else { 0.0 };
     let [u_scale, v_scale] = [scale(N_ALONG, half_u_m), scale(N_ACROSS, half_v_m)];
+    let mut n_within = 0_u32;
     for &[x_m, y_m, z_m] in positions_m {
         let [u_m, v_m] = frame.position_m([x_m, y_m]);
+        // Strays are not in the box.
+        if u_m.abs() > half_u_m + ROUNDING_M || v_m.abs() > half_v_m + ROUNDING_M {
+            continue;
+        }
+        n_within += 1;
         let above_m = z_m - ground_m;
         let from_sides_m = [u_m + half_u_m, half_u_m - u_m, v_m + half_v_m, half_v_m - v_m];
         for (n_at, from_side_m) in n_at.iter_mut().zip(from_sides_m) {
@@ -74,11 +84,11 @@ pub fn box_values(
         let corner = (u_m > 0.0 && v_m > 0.0).then_some(N_ALONG + N_ACROSS);
         let slices = [slice(u_m, u_scale, N_ALONG), N_ALONG + slice(v_m, v_scale, N_ACROSS)];
         for index in slices.into_iter().chain(corner) {
-            tops_m[index] = tops_m[index].max(above_m);
+            tops_m[index] = greater(above_m, tops_m[index]);
         }
         n_high += u32::from(above_m > HIGH_M);
     }
-    let share = |n: u32| n as f32 / positions_m.len().max(1) as f32;
+    let share = |n: u32| n as f32 / n_within.max(1) as f32;
     let [from_u_m, from_v_m] = frame.from_sensor_m;
     let range_m = single::hypot(from_u_m, from_v_m);
     let [length_m, width_m, height_m] = seen.length_width_height_m;
@@ -89,7 +99,7 @@ pub fn box_values(
         bottom_m + height_m,
         bottom_m,
         range_m,
-        positions_m.len() as f32,
+        n_within as f32,
         from_u_m - half_u_m,
         from_v_m - half_v_m,
         if range_m > 0.0 { from_u_m / range_m } else { 0.0 },

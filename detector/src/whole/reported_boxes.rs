@@ -9,8 +9,9 @@ use crate::detector::DetectorOutput;
 use crate::fit::outline_box::OutlineBox;
 use crate::oriented_box::OrientedBox;
 use crate::point_cloud::PointCloud;
-use crate::whole::box_model::BoxModel;
-use crate::whole::whole_box::{SeenVehicle, WholeBoxes};
+use crate::road_user::{N_ROAD_USERS, RoadUser};
+use crate::whole::box_model::BoxModels;
+use crate::whole::whole_box::{SeenRoadUser, WholeBoxes};
 
 /// Objects that end no higher above the ground than this stand on it, in metres.
 const MOST_CLEARANCE_M: f32 = 0.6;
@@ -22,7 +23,7 @@ pub struct BoxParams {
     /// Whether boxes lie along the outline that the sensor sees; otherwise close to the corners of the convex hull (VM
     /// section 4).
     pub outline: bool,
-    /// Whether vehicles have the box of the whole vehicle, and other objects one down to the ground if it ends a little
+    /// Whether road users have the box of all of them, and other objects one down to the ground if it ends a little
     /// above it; otherwise that of the seen part.
     pub whole: bool,
 }
@@ -32,34 +33,34 @@ pub struct BoxParams {
 pub struct ReportedBoxes {
     outlined: bool,
     // `None` where boxes are those of the seen parts.
-    model: Option<Arc<BoxModel>>,
+    models: Option<Arc<BoxModels>>,
     outline: OutlineBox,
     positions_m: Vec<[f32; 3]>,
-    vehicles: Vec<SeenVehicle>,
+    seen: [Vec<SeenRoadUser>; N_ROAD_USERS],
     whole: WholeBoxes,
 }
 
 impl ReportedBoxes {
-    /// Boxes as `params` say, of whole vehicles by the model that comes with the program.
+    /// Boxes as `params` say, of whole road users by the models that come with the program.
     pub fn new(params: BoxParams) -> Self {
         Self {
             outlined: params.outline,
-            model: params.whole.then(BoxModel::shipped),
+            models: params.whole.then(BoxModels::shipped),
             outline: OutlineBox::default(),
             positions_m: Vec::new(),
-            vehicles: Vec::new(),
+            seen: Default::default(),
             whole: WholeBoxes::default(),
         }
     }
 
-    /// Replaces the model by `other`, if there is one and vehicles are made whole at all.
-    pub fn with_model(self, other: Option<Arc<BoxModel>>) -> Self {
-        Self { model: self.model.map(|shipped| other.unwrap_or(shipped)), ..self }
+    /// Replaces the models by `other`, if there are some and road users are made whole at all.
+    pub fn with_model(self, other: Option<Arc<BoxModels>>) -> Self {
+        Self { models: self.models.map(|shipped| other.unwrap_or(shipped)), ..self }
     }
 
-    /// Whether vehicles are made whole.
+    /// Whether road users are made whole.
     pub fn are_whole(&self) -> bool {
-        self.model.is_some()
+        self.models.is_some()
     }
 
     /// Replaces the boxes in `output`, which was found in `cloud`; `ground_below_m` is the elevation of the ground below a
@@ -70,39 +71,40 @@ impl ReportedBoxes {
         ground_below_m: impl Fn(&OrientedBox) -> f32,
         output: &mut DetectorOutput,
     ) {
-        for detections in [&mut output.detections, &mut output.unlikely_vehicles] {
-            self.vehicles.clear();
+        for detections in [&mut output.detections, &mut output.unlikely] {
+            self.seen.iter_mut().for_each(Vec::clear);
             detections.replace_boxes(|it| (self.fit(cloud, &ground_below_m, &it), BoxDetails::default()));
-            let Self { model: Some(model), vehicles, whole, .. } = self else { continue };
-            let mut whole = whole.find(model, vehicles).iter();
-            detections.replace_boxes(|it| {
-                if !is_made_whole(&it) {
-                    return (it.bounding_box, it.box_details);
-                }
-                let whole = whole.next().expect("one of each");
-                (whole.bounding_box, whole.details(it.score))
-            });
+            let Some(models) = self.models.clone() else { continue };
+            for (road_user, seen) in RoadUser::ALL.into_iter().zip(&mut self.seen) {
+                let Some(model) = models.of_class(road_user) else { continue };
+                let mut whole = self.whole.find(model, seen).iter();
+                detections.replace_boxes(|it| {
+                    if made_whole(&models, &it) != Some(road_user) {
+                        return (it.bounding_box, it.box_details);
+                    }
+                    let whole = whole.next().expect("one of each");
+                    (whole.bounding_box, whole.details(road_user, it.score))
+                });
+            }
         }
     }
 
-    /// The box of the seen part. A vehicle that is made whole is recorded.
+    /// The box of the seen part. A road user that is made whole is recorded.
     fn fit(
         &mut self,
         cloud: &PointCloud,
         ground_below_m: impl Fn(&OrientedBox) -> f32,
         detection: &Detection<'_>,
     ) -> OrientedBox {
-        let Self { outlined, model, outline, positions_m, vehicles, .. } = self;
+        let Self { outlined, models, outline, positions_m, seen: recorded, .. } = self;
         positions_m.clear();
         positions_m.extend(detection.point_indices.iter().map(|&it| cloud.position_m(it as usize)));
         let along = if *outlined { outline.fit(positions_m) } else { None };
         let seen = along.unwrap_or(detection.bounding_box);
-        if model.is_none() || positions_m.is_empty() {
-            return seen;
-        }
+        let Some(models) = models.as_ref().filter(|_| !positions_m.is_empty()) else { return seen };
         let ground_m = ground_below_m(&seen);
-        if is_made_whole(detection) {
-            vehicles.push(SeenVehicle::new(seen, ground_m, positions_m));
+        if let Some(road_user) = made_whole(models, detection) {
+            recorded[road_user as usize].push(SeenRoadUser::new(seen, ground_m, positions_m));
         }
         standing(seen, ground_m)
     }
@@ -123,22 +125,30 @@ fn standing(seen: OrientedBox, ground_m: f32) -> OrientedBox {
     }
 }
 
-fn is_made_whole(detection: &Detection<'_>) -> bool {
-    detection.class == DetectedClass::Vehicle && !detection.point_indices.is_empty()
+/// The class of a detection that is made whole: one that a model knows, of points.
+fn made_whole(models: &BoxModels, detection: &Detection<'_>) -> Option<RoadUser> {
+    let is_so = |it: &RoadUser| match it {
+        RoadUser::Vehicle => detection.class == DetectedClass::Vehicle,
+        other => detection.given.is_some() && detection.given == other.given(),
+    };
+    let known = RoadUser::ALL.into_iter().find(is_so).filter(|it| models.of_class(*it).is_some());
+    known.filter(|_| !detection.point_indices.is_empty())
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::classify::forest::Forest;
+    use crate::whole::box_model::BoxModel;
 
     const GROUND_M: f32 = -1.7;
 
     /// A model by which every vehicle is 1 m longer at its far end than its seen part, and faces the sensor.
-    fn model() -> Arc<BoxModel> {
+    fn model() -> Arc<BoxModels> {
         let always = |it: f32| Forest::new(Vec::new(), it).unwrap();
         let growth_m = [0.0, 1.0, 0.0, 0.0, 0.0].map(always);
-        Arc::new(BoxModel { turned: always(-1.0), growth_m, away: always(-1.0), right: always(2.0) })
+        let vehicles = BoxModel { turned: always(-1.0), growth_m, away: always(-1.0), right: always(2.0) };
+        Arc::new(BoxModels { vehicles, pedestrians: None, cyclists: None })
     }
 
     /// Two sides of a thing 3 m long and 1 m wide, whose lowest point is `bottom_m` above the ground.
@@ -160,7 +170,7 @@ mod tests {
         output.detections.push(detection(&all, DetectedClass::Object));
         output.detections.push(detection(&[], DetectedClass::Vehicle));
         output.detections.push(detection(&all, DetectedClass::Vehicle));
-        output.unlikely_vehicles.push(detection(&all, DetectedClass::Vehicle));
+        output.unlikely.push(detection(&all, DetectedClass::Vehicle));
         let mut reported = ReportedBoxes::new(params).with_model(Some(model()));
         reported.replace(&cloud, |_| GROUND_M, &mut output);
         output
@@ -170,7 +180,7 @@ mod tests {
     fn boxes(params: BoxParams, bottom_m: f32) -> [OrientedBox; 4] {
         let output = reported(params, bottom_m);
         let [object, empty, vehicle] = [0, 1, 2].map(|it| output.detections.get(it).bounding_box);
-        [object, empty, vehicle, output.unlikely_vehicles.get(0).bounding_box]
+        [object, empty, vehicle, output.unlikely.get(0).bounding_box]
     }
 
     #[track_caller]
@@ -195,7 +205,7 @@ mod tests {
         let output = reported(BoxParams { outline: true, whole: true }, 0.4);
         let details = |it: usize| output.detections.get(it).box_details;
         assert_eq!([details(0), details(1)], [BoxDetails::default(); 2]);
-        assert_eq!(details(2), output.unlikely_vehicles.get(0).box_details);
+        assert_eq!(details(2), output.unlikely.get(0).box_details);
         // One of a vehicle with odds of e to a right box with odds of e².
         let probability = |log_odds: f32| 1.0 / (1.0 + f64::from(-log_odds).exp());
         let found = probability(output.detections.get(2).box_score().unwrap());

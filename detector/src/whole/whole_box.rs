@@ -3,7 +3,8 @@
 use crate::detection::{BoxDetails, SeenOfVehicle, SeenSides};
 use crate::oriented_box::OrientedBox;
 use crate::portable_math::{exp, ln, single};
-use crate::whole::box_model::BoxModel;
+use crate::road_user::RoadUser;
+use crate::whole::box_model::{BoxModel, N_GROWTHS};
 use crate::whole::box_values::{IS_TURNED, N_BOX_VALUES, box_values};
 use crate::whole::seen_frame::SeenFrame;
 
@@ -19,9 +20,9 @@ const MOST_BEYOND_SEEN_M: f32 = 0.25;
 /// The front is sure from these log odds on: a probability of 0.9.
 const SURE_LOG_ODDS: f32 = 2.2;
 
-/// A vehicle whose whole box is predicted.
+/// A road user whose whole box is predicted.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct SeenVehicle {
+pub struct SeenRoadUser {
     /// The box of its seen part.
     pub seen: OrientedBox,
     /// Its frame.
@@ -32,8 +33,8 @@ pub struct SeenVehicle {
     pub values: [f32; N_BOX_VALUES],
 }
 
-impl SeenVehicle {
-    /// A vehicle with these points and this box around them, above ground of elevation `ground_m`.
+impl SeenRoadUser {
+    /// A road user with these points and this box around them but strays, above ground of elevation `ground_m`.
     pub fn new(seen: OrientedBox, ground_m: f32, positions_m: &[[f32; 3]]) -> Self {
         let frame = SeenFrame::of(&seen);
         let values = box_values(&seen, &frame, ground_m, positions_m);
@@ -41,15 +42,17 @@ impl SeenVehicle {
     }
 
     /// `growth_m` beyond the seen part, limited so that most of the seen part stays in the box.
-    fn limited_m(&self, growth_m: [f32; 5]) -> [f32; 5] {
+    fn limited_m(&self, growth_m: [f32; N_GROWTHS]) -> [f32; N_GROWTHS] {
         let least_m = |axis: usize| -MOST_SHRINKAGE_M.min(MOST_SHRINKAGE * 2.0 * self.frame.half_m[axis]);
         let [near_u_m, far_u_m, near_v_m, far_v_m, top_m] = growth_m;
         let [along_m, across_m] = [least_m(0), least_m(1)];
-        [near_u_m.max(along_m), far_u_m.max(along_m), near_v_m.max(across_m), far_v_m.max(across_m), top_m]
+        let [near_u_m, far_u_m] = [near_u_m, far_u_m].map(|it| it.max(along_m));
+        let [near_v_m, far_v_m] = [near_v_m, far_v_m].map(|it| it.max(across_m));
+        [near_u_m, far_u_m, near_v_m, far_v_m, top_m]
     }
 
     /// The seen sides, if the whole reaches `growth_m` beyond the seen part and its front is the far or the near end.
-    fn sides(&self, is_turned: bool, growth_m: [f32; 5], is_away: bool) -> SeenSides {
+    fn sides(&self, is_turned: bool, growth_m: [f32; N_GROWTHS], is_away: bool) -> SeenSides {
         let growth_m = self.limited_m(growth_m);
         let is_seen = |axis: usize| {
             let growth_m = growth_m[2 * axis];
@@ -71,7 +74,7 @@ impl SeenVehicle {
     }
 
     /// The box that reaches `growth_m` beyond the seen part, and whose front is the far or the near end.
-    fn grown(&self, is_turned: bool, growth_m: [f32; 5], is_away: bool) -> OrientedBox {
+    fn grown(&self, is_turned: bool, growth_m: [f32; N_GROWTHS], is_away: bool) -> OrientedBox {
         let [near_u_m, far_u_m, near_v_m, far_v_m, top_m] = self.limited_m(growth_m);
         let [half_u_m, half_v_m] = self.frame.half_m;
         let ranges_m =
@@ -103,11 +106,12 @@ pub struct WholeBox {
 }
 
 impl WholeBox {
-    /// Details of the box. `score` is the logarithm of the odds that it is a vehicle; without one it is taken for one, and
-    /// the score is that of the box alone.
-    pub fn details(&self, score: Option<f32>) -> BoxDetails {
+    /// Details of the box. `score` is the logarithm of the odds that it is this `road_user`; without one it is taken for one,
+    /// and the score is that of the box alone.
+    pub fn details(&self, road_user: RoadUser, score: Option<f32>) -> BoxDetails {
         let score = score.map_or(self.right_log_odds, |it| both_log_odds(it, self.right_log_odds));
-        BoxDetails { score: Some(score), seen: Some(self.seen), ..BoxDetails::default() }
+        let seen = (road_user == RoadUser::Vehicle).then_some(self.seen);
+        BoxDetails { score: Some(score), seen, ..BoxDetails::default() }
     }
 }
 
@@ -121,7 +125,7 @@ fn both_log_odds(one: f32, other: f32) -> f32 {
 #[derive(Debug, Clone, Default)]
 pub struct WholeBoxes {
     turned: Vec<f32>,
-    growths_m: [Vec<f32>; 5],
+    growths_m: [Vec<f32>; N_GROWTHS],
     away: Vec<f32>,
     right: Vec<f32>,
     boxes: Vec<WholeBox>,
@@ -129,7 +133,7 @@ pub struct WholeBoxes {
 
 impl WholeBoxes {
     /// The boxes of `vehicles`, one of each. Sets [`IS_TURNED`] in the values of `vehicles`.
-    pub fn find(&mut self, model: &BoxModel, vehicles: &mut [SeenVehicle]) -> &[WholeBox] {
+    pub fn find(&mut self, model: &BoxModel, vehicles: &mut [SeenRoadUser]) -> &[WholeBox] {
         model.turned.sums(vehicles.iter().map(|it| &it.values), &mut self.turned);
         for (vehicle, log_odds) in vehicles.iter_mut().zip(&self.turned) {
             vehicle.values[IS_TURNED] = f32::from(u8::from(*log_odds > 0.0));
@@ -161,7 +165,7 @@ pub struct Difference {
     /// Whether the vehicle is longer along the width of its seen part.
     pub is_turned: bool,
     /// How far the vehicle reaches beyond its seen part, in metres, in the order of [`BoxModel::growth_m`].
-    pub growth_m: [f32; 5],
+    pub growth_m: [f32; N_GROWTHS],
     /// Whether its front is the far end.
     pub is_away: bool,
     /// The angle between the sides of both boxes in radians, at most π/4.
@@ -170,7 +174,7 @@ pub struct Difference {
 
 impl Difference {
     /// The difference of a vehicle from its seen part.
-    pub fn between(seen: &SeenVehicle, whole: &OrientedBox) -> Self {
+    pub fn between(seen: &SeenRoadUser, whole: &OrientedBox) -> Self {
         let (sin, cos) = single::sin_cos(whole.yaw_rad);
         let [along_u, along_v] = [0, 1].map(|axis| {
             let [x, y] = seen.frame.axis(axis);
@@ -211,7 +215,7 @@ mod tests {
             sizes in prop::array::uniform3(1.0_f32..5.0), shift in prop::array::uniform2(-0.5_f32..0.5),
         ) {
             let seen = OrientedBox { center_m: [x, y, -1.0], length_width_height_m: [2.0, 0.8, 0.9], yaw_rad };
-            let seen = SeenVehicle::new(seen, -1.7, &[[x, y, -1.0]]);
+            let seen = SeenRoadUser::new(seen, -1.7, &[[x, y, -1.0]]);
             let whole = OrientedBox {
                 center_m: [x + shift[0], y + shift[1], -1.7 + 0.5 * sizes[2]],
                 length_width_height_m: [sizes[0] + 3.0, 2.5, sizes[2]],
@@ -242,7 +246,7 @@ mod tests {
             growth_m in prop::array::uniform5(-1.0_f32..0.25),
         ) {
             let seen = OrientedBox { center_m: [x, y, -1.0], length_width_height_m: [4.0, 1.8, 1.5], yaw_rad };
-            let seen = SeenVehicle::new(seen, -1.7, &[[x, y, -1.0]]);
+            let seen = SeenRoadUser::new(seen, -1.7, &[[x, y, -1.0]]);
             let SeenSides { front, rear, left, right } = seen.sides(is_turned, growth_m, is_away);
             let whole = seen.grown(is_turned, growth_m, is_away);
             let [length_m, width_m, _] = whole.length_width_height_m;
@@ -258,7 +262,7 @@ mod tests {
             growth_m in prop::array::uniform5(-9.0_f32..9.0), sizes_m in prop::array::uniform3(0.0_f32..5.0),
         ) {
             let seen = OrientedBox { center_m: [9.0, 2.0, -1.0], length_width_height_m: sizes_m, yaw_rad: 0.3 };
-            let grown = SeenVehicle::new(seen, -1.7, &[[9.0, 2.0, -1.0]]).grown(false, growth_m, true);
+            let grown = SeenRoadUser::new(seen, -1.7, &[[9.0, 2.0, -1.0]]).grown(false, growth_m, true);
             prop_assert!(grown.length_width_height_m.iter().all(|it| *it >= LEAST_SIDE_M));
         }
     }
@@ -267,7 +271,7 @@ mod tests {
     fn a_side_beyond_which_the_whole_reaches_is_not_seen() {
         let seen =
             OrientedBox { center_m: [9.0, 4.0, -1.0], length_width_height_m: [3.0, 1.6, 1.5], yaw_rad: 0.0 };
-        let seen = SeenVehicle::new(seen, -1.7, &[[9.0, 4.0, -1.0]]);
+        let seen = SeenRoadUser::new(seen, -1.7, &[[9.0, 4.0, -1.0]]);
         // The rear is hidden by another vehicle.
         let sides = seen.sides(false, [1.2, 0.0, 0.1, 0.2, 0.0], true);
         assert_eq!(sides, SeenSides { right: true, ..SeenSides::default() });

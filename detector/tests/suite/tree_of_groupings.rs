@@ -45,9 +45,9 @@ fn what_may_be_a_vehicle_is_ranked_below_all_vehicles() {
             it.cluster.min_points = 100;
         };
         let output = found(&mut detector(change), &cloud);
-        let scores: Vec<f32> = output.unlikely_vehicles.iter().filter_map(|it| it.score).collect();
-        assert_eq!(scores.len(), output.unlikely_vehicles.len(), "all have a score");
-        assert!(output.unlikely_vehicles.iter().all(|it| it.class == DetectedClass::Vehicle));
+        let scores: Vec<f32> = output.unlikely.iter().filter_map(|it| it.score).collect();
+        assert_eq!(scores.len(), output.unlikely.len(), "all have a score");
+        assert!(output.unlikely.iter().all(|it| it.class == DetectedClass::Vehicle));
         (scores, output.detections)
     };
     let (all, detections) = ranked(0.001);

@@ -58,7 +58,7 @@ impl AnswerWriter {
             box_scores: is_ranked && box_scores,
             velocities: false,
             tracks: false,
-            ranked: if is_ranked { output.unlikely_vehicles.len() } else { 0 },
+            ranked: if is_ranked { output.unlikely.len() } else { 0 },
             classes: (!detections.is_empty())
                 .then(|| detections.iter().map(|it| Some(class_of(&it).to_owned())).collect()),
             stages: stages_of(output),
@@ -70,8 +70,8 @@ impl AnswerWriter {
             rest.extend(detections.iter().map(|it| it.box_details.score.unwrap_or(NO_SCORE)));
         }
         if line.ranked > 0 {
-            rest.extend(output.unlikely_vehicles.iter().flat_map(|it| numbers_of(&it.bounding_box)));
-            rest.extend(output.unlikely_vehicles.iter().map(|it| it.box_score().unwrap_or(0.0)));
+            rest.extend(output.unlikely.iter().flat_map(|it| numbers_of(&it.bounding_box)));
+            rest.extend(output.unlikely.iter().map(|it| it.box_score().unwrap_or(0.0)));
         }
         self.begin(line, 4 * n_points + 4 * rest.len()).map_err(|error| error.to_string())?;
         self.add_ids(detections, n_points)?;
@@ -188,7 +188,7 @@ mod tests {
         let mut output = DetectorOutput::default();
         output.detections.push(detection(&[1, 3], 0.5, Some(0.75)));
         output.detections.push(detection(&[0], -1.5, None));
-        output.unlikely_vehicles.push(detection(&[2], -4.0, Some(-3.5)));
+        output.unlikely.push(detection(&[2], -4.0, Some(-3.5)));
         let mut writer = AnswerWriter::default();
         let found = read(writer.write(7, &output, 5, Extent::Ranked).unwrap(), 5);
         assert_eq!(found.clusters, Some(vec![2, 1, 0, 1, 0]));

@@ -79,7 +79,7 @@ impl<'a> OfficialScanView<'a> {
             return official.iter().map(|it| with_score(it.clone(), it.score)).collect();
         }
         let file_from_sensor = self.official.as_ref().map_or_else(Isometry3::identity, |(_, it)| *it);
-        let all = output.detections.iter().chain(output.unlikely_vehicles.iter());
+        let all = output.detections.iter().chain(output.unlikely.iter());
         let found = all.map(|it| {
             let name = match (it.given, it.class) {
                 (Some(given), _) => given.word(),

@@ -10,7 +10,7 @@ use detector::params::HierarchicalParams;
 use detector::pipeline::foreground_stages::foreground;
 use detector::pipeline::object_stages::{ObjectModels, object_stages};
 use detector::pipeline::stage_list::{Pipeline, Stages};
-use detector::whole::box_model::BoxModel;
+use detector::whole::box_model::BoxModels;
 use detector::whole::reported_boxes::{BoxParams, ReportedBoxes};
 use detector::{BoxDetails, DetectedClass, Detection, Detector, DetectorOutput, OrientedBox, PointCloud};
 use reports::vocabulary::class_traits::ClassGroup;
@@ -86,7 +86,7 @@ impl ForeignVehicles {
     /// the box that our own detectors would report: that of the whole vehicle, by `box_model` if there is one.
     pub fn by_size(
         params: &HierarchicalParams,
-        box_model: Option<Arc<BoxModel>>,
+        box_model: Option<Arc<BoxModels>>,
         sensor_height_m: f32,
     ) -> Self {
         Self {
@@ -99,11 +99,11 @@ impl ForeignVehicles {
         }
     }
 
-    /// As [`Self::by_size`], but classifies by `model`, as our own detectors do.
+    /// As [`Self::by_size`], but classifies vehicles by `model`, as our own detectors do.
     pub fn by_model(
         params: &HierarchicalParams,
         model: VehicleModel,
-        box_model: Option<Arc<BoxModel>>,
+        box_model: Option<Arc<BoxModels>>,
         sensor_height_m: f32,
     ) -> Self {
         let mut as_found = params.clone();
@@ -111,7 +111,8 @@ impl ForeignVehicles {
         as_found.completion.enabled = false;
         as_found.boxes = BoxParams { outline: false, whole: false };
         as_found.cluster.min_points = 1;
-        let stages = object_stages(&as_found, ObjectModels { vehicles: Some(model), boxes: None });
+        let stages =
+            object_stages(&as_found, ObjectModels { vehicles: Some(model.of_vehicles()), boxes: None });
         let by_model = ByModel { stages, output: DetectorOutput::default() };
         Self { by_model: Some(by_model), ..Self::by_size(params, box_model, sensor_height_m) }
     }

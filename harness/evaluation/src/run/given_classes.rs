@@ -9,13 +9,15 @@ use scans::annotation::LabeledScan;
 
 use super::running_detector::RunningDetector;
 
-/// Whether a detector gives classes, as its first detections show.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+/// Whether a detector gives classes, as its first detections show if it does not say so before.
+#[derive(Debug, Clone, PartialEq, Eq)]
 pub enum GivesClasses {
     /// It has not detected anything so far.
     Unknown,
     /// It does: in scans without detections it has missed all objects.
     Yes,
+    /// It gives these, none or more.
+    Only(Vec<AnnotationClass>),
     /// It does not.
     No,
 }
@@ -23,7 +25,11 @@ pub enum GivesClasses {
 impl GivesClasses {
     /// Nothing is known of `detector`, unless it cannot give classes.
     pub fn of(detector: &dyn RunningDetector) -> Self {
-        if detector.may_give_classes() { Self::Unknown } else { Self::No }
+        match detector.known_classes() {
+            Some(known) => Self::Only(known),
+            None if detector.may_give_classes() => Self::Unknown,
+            None => Self::No,
+        }
     }
 
     /// Looks at `detections`.
@@ -37,7 +43,7 @@ impl GivesClasses {
     /// The tasks of `detector` in `scan`: those of every detector, and those of the classes that are annotated or given in
     /// it.
     pub fn tasks(
-        self,
+        &self,
         detector: &dyn RunningDetector,
         scan: &LabeledScan,
         detections: &Detections,
@@ -46,15 +52,18 @@ impl GivesClasses {
         self.tasks_of(may_give, scan, detections)
     }
 
-    fn tasks_of(self, may_give: bool, scan: &LabeledScan, detections: &Detections) -> Vec<Task> {
+    fn tasks_of(&self, may_give: bool, scan: &LabeledScan, detections: &Detections) -> Vec<Task> {
         let mut tasks = Task::ALL.to_vec();
-        if self == Self::No || self == Self::Unknown && !may_give {
+        if *self == Self::No || *self == Self::Unknown && !may_give {
             return tasks;
         }
         let given = detections.iter().filter_map(|it| AnnotationClass::written(it.given?.name()).ok());
         let annotated = scan.annotations.iter().map(|it| it.class);
         let mut classes: BTreeSet<AnnotationClass> =
             annotated.chain(given).filter(|it| *it != AnnotationClass::Misc).collect();
+        if let Self::Only(known) = self {
+            classes.retain(|it| known.contains(it));
+        }
         let of_groups = AnnotationClass::of_whole_groups();
         let asked = of_groups.into_iter().filter(|it| classes.iter().any(|class| it.includes(*class)));
         let asked: Vec<AnnotationClass> = asked.collect();
@@ -84,11 +93,13 @@ mod tests {
         };
         let mut gives = GivesClasses::Unknown;
         gives.look(&Detections::default());
+        let only = GivesClasses::Only(vec![AnnotationClass::Truck, AnnotationClass::Pedestrian]);
         let pole = Task::Class(AnnotationClass::Pole);
         let nothing = Detections::default();
         assert_eq!(gives.tasks_of(true, &scan, &nothing), [Task::Objects, Task::Vehicles, pole]);
         assert_eq!(gives.tasks_of(false, &scan, &nothing), Task::ALL);
-        let mut does = gives;
+        assert_eq!(only.tasks_of(false, &scan, &nothing), Task::ALL);
+        let mut does = gives.clone();
         does.look(&one(Some("truck")));
         does.look(&one(None));
         let truck = Task::Class(AnnotationClass::Truck);
@@ -96,6 +107,8 @@ mod tests {
             does.tasks_of(true, &scan, &one(Some("truck"))),
             [Task::Objects, Task::Vehicles, truck, pole]
         );
+        let asked = only.tasks_of(false, &scan, &one(Some("truck")));
+        assert_eq!(asked, [Task::Objects, Task::Vehicles, truck]);
         gives.look(&one(None));
         gives.look(&one(Some("truck")));
         assert_eq!(gives.tasks_of(true, &scan, &one(Some("truck"))), Task::ALL);

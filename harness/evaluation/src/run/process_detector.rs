@@ -228,7 +228,7 @@ impl ProcessDetector {
         self.vehicles.detections_of(objects, cloud, output).map_err(DetectorProblem::WrongAnswer)?;
         for (bounding_box, score) in found.ranked {
             let ranked = Detection::new(&[], bounding_box, DetectedClass::Vehicle, Some(score));
-            output.unlikely_vehicles.push(ranked);
+            output.unlikely.push(ranked);
         }
         self.clusters = clusters_of_points(&output.detections, cloud.len());
         Ok(())

@@ -68,7 +68,7 @@ impl ResultsDetector {
             let given = it.class.and_then(|it| it.given);
             let vehicle =
                 Detection { given, ..Detection::new(&[], it.bounding_box, DetectedClass::Vehicle, score) };
-            output.unlikely_vehicles.push(vehicle);
+            output.unlikely.push(vehicle);
         }
         Ok(ReadScan { id: scan.id.clone(), output, official, kitti_objects, point_labels })
     }

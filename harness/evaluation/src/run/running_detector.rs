@@ -4,6 +4,7 @@ use std::time::{Duration, Instant};
 
 use detector::stage_product::StageProduct;
 use detector::{Detector, DetectorOutput, PointCloud, Rule};
+use reports::vocabulary::class::AnnotationClass;
 use scans::annotation::{LabeledScan, ScanId};
 use scans::dataset::kitti::label::KittiObject;
 use scans::dataset::official::OfficialObject;
@@ -88,6 +89,11 @@ pub trait RunningDetector: Send {
         false
     }
 
+    /// The classes that it may give, where they are known before its first scan; `None` if its detections show them.
+    fn known_classes(&self) -> Option<Vec<AnnotationClass>> {
+        None
+    }
+
     /// Rules that it applies besides finding clusters.
     fn rules(&self) -> Vec<Rule> {
         Vec::new()
@@ -159,6 +165,11 @@ impl RunningDetector for BuiltIn {
 
     fn ground_points(&self, cloud: &PointCloud) -> Option<Vec<bool>> {
         self.detector.ground_points(cloud)
+    }
+
+    fn known_classes(&self) -> Option<Vec<AnnotationClass>> {
+        let given = self.detector.given_classes();
+        Some(given.iter().filter_map(|it| AnnotationClass::met(it.name())).collect())
     }
 
     fn rules(&self) -> Vec<Rule> {

@@ -317,7 +317,7 @@ impl SideBySide<'_> {
         let annotated = &self.dataset.description().annotated;
         let judge = |detector: &dyn RunningDetector,
                      output: &DetectorOutput,
-                     gives: GivesClasses,
+                     gives: &GivesClasses,
                      has_failed: bool| {
             let products = if has_failed { Vec::new() } else { detector.stage_products(&scan.cloud) };
             let lost = LostPoints::gather(scan, &output.detections, &products);
@@ -340,7 +340,7 @@ impl SideBySide<'_> {
                 detector: detector.name(),
                 output: output.clone(),
                 times: turns.times,
-                assignments: judge(&**detector, output, *gives, turns.failure.is_some()),
+                assignments: judge(&**detector, output, gives, turns.failure.is_some()),
                 failure: turns.failure,
             })
             .collect()

@@ -7,21 +7,22 @@ use detector::params::HierarchicalParams;
 use detector::pipeline::foreground_stages::foreground;
 use detector::pipeline::frame::Frame;
 use detector::pipeline::stage_list::Pipeline;
-use detector::whole::box_model::BoxModel;
+use detector::road_user::{N_ROAD_USERS, RoadUser};
+use detector::whole::box_model::{BoxModel, N_GROWTHS};
 use detector::whole::box_values::{IS_TURNED, N_BOX_VALUES};
 use detector::whole::reported_boxes::BoxParams;
-use detector::whole::whole_box::{Difference, SeenVehicle, WholeBox, WholeBoxes};
+use detector::whole::whole_box::{Difference, SeenRoadUser, WholeBox, WholeBoxes};
 use detector::{Detector, DetectorOutput, OrientedBox};
 use forust_ml::errors::ForustError;
 use reports::vocabulary::task::Task;
 use scans::annotation::LabeledScan;
 
 use crate::matching::assign::{MatchingParams, assign};
-use crate::matching::eligibility::counts_as_vehicle;
 use crate::matching::outcome::AnnotationOutcome;
 use crate::metrics::box_errors::BoxErrors;
 use crate::scan_pass::{PassedScan, ScanPass, ScanPassError};
 use crate::training::boosting::{BoostingParams, Target, boost};
+use crate::training::vehicle_labels::is_road_user;
 use reports::numbers::calibration::{CalibrationBin, calibration};
 
 /// Chosen on held-out drives of the training streets.
@@ -30,25 +31,36 @@ const GROWTH: BoostingParams =
 /// Parameters of the forests that decide yes or no; chosen likewise.
 const DECISIONS: BoostingParams = BoostingParams { least_leaf_weight: 5.0, ..GROWTH };
 
-/// A cluster is an example only if its box is turned by at most this much against the annotated box.
-const MOST_OFF_DEG: f32 = 12.0;
+/// A cluster of a vehicle is an example only if its box is turned by at most this much against the annotated box. Boxes of
+/// pedestrians and cyclists are turned any way, and no other box is near.
+const MOST_OFF_DEG: [f32; N_ROAD_USERS] = [12.0, 45.0, 30.0];
 
 /// Detectors whose clusters are examples: clusters of cells and clusters of points end differently.
 pub const LEARNED_FROM: [&str; 2] = ["hierarchical", "kd-tree"];
 
-/// Number of forests that [`train_boxes`] trains: seven of all vehicles, seven of each half of the drives, and the one that
-/// predicts whether a box is right.
-pub const N_BOX_FORESTS: usize = 3 * 7 + 1;
-/// Least intersection over union in space of a right box with the annotated one, as in KITTI for cars.
-pub const RIGHT_IOU: f64 = 0.7;
+/// Number of forests that [`train_boxes`] trains for a class: those of all examples, those of each half of the drives, and
+/// the one that predicts whether a box is right.
+pub const N_BOX_FORESTS: usize = 3 * (N_GROWTHS + 2) + 1;
+/// Fewest examples of pedestrians and of cyclists that are learned.
+pub const FEWEST_EXAMPLES: usize = 100;
 
-/// A cluster that matches an annotated vehicle.
+/// Least intersection over union in space of a right box with the annotated one, as in KITTI.
+pub fn right_iou(road_user: RoadUser) -> f64 {
+    match road_user {
+        RoadUser::Vehicle => 0.7,
+        RoadUser::Pedestrian | RoadUser::Cyclist => 0.5,
+    }
+}
+
+/// A cluster that matches an annotated road user.
 #[derive(Debug, Clone, PartialEq)]
-pub struct VehicleExample {
+pub struct RoadUserExample {
     /// Its drive.
     pub sequence: String,
-    /// The vehicle as the sensor sees it.
-    pub seen: SeenVehicle,
+    /// Its class.
+    pub road_user: RoadUser,
+    /// The road user as the sensor sees it.
+    pub seen: SeenRoadUser,
     /// The annotated box.
     pub whole: OrientedBox,
 }
@@ -65,18 +77,18 @@ pub type NewDetectors<'a> = &'a (dyn Fn() -> Vec<Box<dyn Detector>> + Sync);
 /// Boxes of the seen points, from which the trees learn.
 pub const SEEN: BoxParams = BoxParams { outline: true, whole: false };
 
-/// The clusters in the scans of `pass` that match an annotated vehicle with a box, scan by scan. `new_detectors` makes the
+/// The clusters in the scans of `pass` that match an annotated road user with a box, scan by scan. `new_detectors` makes the
 /// detectors of each thread; the ground is found with `params`.
 ///
 /// # Errors
 ///
 /// As [`ScanPass::over`] says.
-pub fn collect_vehicles(
+pub fn collect_road_users(
     pass: ScanPass<'_>,
     new_detectors: NewDetectors<'_>,
     params: &HierarchicalParams,
     matching: &MatchingParams,
-) -> Result<Vec<VehicleExample>, ScanPassError> {
+) -> Result<Vec<RoadUserExample>, ScanPassError> {
     let description = pass.dataset.description();
     let new_looker =
         || Looker { foreground: foreground(params, description.sensor_height_m), detectors: new_detectors() };
@@ -100,22 +112,24 @@ pub fn collect_vehicles(
     Ok(pass.over(new_looker, look)?.into_iter().flatten().collect())
 }
 
-/// `None` if the annotation is no vehicle, or has no box.
+/// `None` if the annotation is no road user, or has no box.
 fn example(
     scan: &LabeledScan,
     output: &DetectorOutput,
     frame: &Frame,
     annotation_idx: usize,
     detection_idx: usize,
-) -> Option<VehicleExample> {
+) -> Option<RoadUserExample> {
     let annotation = &scan.annotations[annotation_idx];
-    let whole = annotation.bounding_box.filter(|_| counts_as_vehicle(annotation.class))?;
+    let whole = annotation.bounding_box?;
+    let is_so = |it: &RoadUser| is_road_user(annotation.class, *it) == Some(true);
+    let road_user = RoadUser::ALL.into_iter().find(is_so)?;
     let detection = output.detections.get(detection_idx);
     let positions_m: Vec<[f32; 3]> =
         detection.point_indices.iter().map(|&it| scan.cloud.position_m(it as usize)).collect();
     let ground_m = frame.ground_below_m(&detection.bounding_box);
-    let seen = SeenVehicle::new(detection.bounding_box, ground_m, &positions_m);
-    Some(VehicleExample { sequence: scan.id.sequence.clone(), seen, whole })
+    let seen = SeenRoadUser::new(detection.bounding_box, ground_m, &positions_m);
+    Some(RoadUserExample { sequence: scan.id.sequence.clone(), road_user, seen, whole })
 }
 
 /// Why no trees can be trained.
@@ -151,11 +165,11 @@ pub enum BoxTrainingError {
 /// [`BoxTrainingError`] if no example is left, if all are of one drive, or if all have the same answer to one of the
 /// questions: whether the box is turned, which end is the front, whether the box is right.
 pub fn train_boxes(
-    examples: &[VehicleExample],
+    all: &[&RoadUserExample],
     on_forest: &dyn Fn(),
 ) -> Result<(BoxModel, usize), BoxTrainingError> {
-    let all: Vec<&VehicleExample> = examples.iter().collect();
-    let (model, n_taught) = train_growth(&all, on_forest)?;
+    let (model, n_taught) = train_growth(all, on_forest)?;
+    let examples = all;
     let drives: BTreeSet<&str> = examples.iter().map(|it| it.sequence.as_str()).collect();
     if drives.len() < 2 {
         return Err(BoxTrainingError::OneDrive { n: examples.len() });
@@ -164,14 +178,15 @@ pub fn train_boxes(
     let mut values = Vec::with_capacity(examples.len());
     let mut are_right = Vec::with_capacity(examples.len());
     for half in 0..2 {
-        let is_here = |it: &&VehicleExample| half_of[it.sequence.as_str()] == half;
+        let is_here = |it: &&RoadUserExample| half_of[it.sequence.as_str()] == half;
         let (here, elsewhere): (Vec<_>, Vec<_>) = all.iter().copied().partition(is_here);
         let (of_others, _) = train_growth(&elsewhere, on_forest)?;
-        let mut vehicles: Vec<SeenVehicle> = here.iter().map(|it| it.seen).collect();
+        let here_class = here.first().map_or(RoadUser::Vehicle, |it| it.road_user);
+        let mut vehicles: Vec<SeenRoadUser> = here.iter().map(|it| it.seen).collect();
         let mut boxes = WholeBoxes::default();
         let found = boxes.find(&of_others, &mut vehicles);
-        let is_right = |(found, it): (&WholeBox, &&VehicleExample)| {
-            f64::from(u8::from(BoxErrors::of(&found.bounding_box, &it.whole).iou_3d >= RIGHT_IOU))
+        let is_right = |(found, it): (&WholeBox, &&RoadUserExample)| {
+            f64::from(u8::from(BoxErrors::of(&found.bounding_box, &it.whole).iou_3d >= right_iou(here_class)))
         };
         are_right.extend(found.iter().zip(&here).map(is_right));
         values.extend(vehicles.iter().map(|it| it.values));
@@ -197,11 +212,11 @@ fn decision(
 /// Trains all forests but the one that predicts whether a box is right; its placeholder calls no box right. Also returns the
 /// number of examples that they learned from.
 fn train_growth(
-    examples: &[&VehicleExample],
+    examples: &[&RoadUserExample],
     on_forest: &dyn Fn(),
 ) -> Result<(BoxModel, usize), BoxTrainingError> {
     let differences = examples.iter().map(|it| (it, Difference::between(&it.seen, &it.whole)));
-    let kept = differences.filter(|(_, it)| it.off_rad <= MOST_OFF_DEG.to_radians());
+    let kept = differences.filter(|it| it.1.off_rad <= MOST_OFF_DEG[it.0.road_user as usize].to_radians());
     let (mut unturned, mut turned, mut differences) = (Vec::new(), Vec::new(), Vec::new());
     for (example, difference) in kept {
         let mut values: [f32; N_BOX_VALUES] = example.seen.values;
@@ -286,20 +301,20 @@ pub struct BoxJudgement {
 
 impl BoxJudgement {
     /// Judges `model` on vehicles that it has not learned from.
-    pub fn of(model: &BoxModel, judged: &[VehicleExample]) -> Self {
+    pub fn of(model: &BoxModel, judged: &[&RoadUserExample]) -> Self {
         let seen: Vec<_> = judged.iter().map(|it| (it.seen.seen, it.whole)).collect();
-        let mut vehicles: Vec<SeenVehicle> = judged.iter().map(|it| it.seen).collect();
+        let mut vehicles: Vec<SeenRoadUser> = judged.iter().map(|it| it.seen).collect();
         let mut boxes = WholeBoxes::default();
         let found = boxes.find(model, &mut vehicles);
         let whole: Vec<_> =
             found.iter().map(|it| it.bounding_box).zip(judged.iter().map(|it| it.whole)).collect();
         let errors = whole.iter().map(|(fitted, whole)| BoxErrors::of(fitted, whole));
         let (mut n_sure, mut n_sure_right, mut expected) = (0, 0, Vec::new());
-        for (found, errors) in found.iter().zip(errors) {
+        for ((found, errors), it) in found.iter().zip(errors).zip(judged) {
             n_sure += usize::from(found.seen.is_front_sure);
             n_sure_right += usize::from(found.seen.is_front_sure && errors.is_front_right);
             let probability = 1.0 / (1.0 + f64::from(-found.right_log_odds).exp());
-            expected.push((probability, f64::from(u8::from(errors.iou_3d >= RIGHT_IOU))));
+            expected.push((probability, f64::from(u8::from(errors.iou_3d >= right_iou(it.road_user)))));
         }
         let share = |n: usize, of: usize| (of > 0).then(|| n as f64 / of as f64);
         Self {
@@ -318,20 +333,23 @@ impl BoxJudgement {
 mod tests {
     use super::*;
 
-    fn vehicle(yaw_rad: f32, length_m: f32) -> VehicleExample {
+    fn vehicle(yaw_rad: f32, length_m: f32) -> RoadUserExample {
         let seen =
             OrientedBox { center_m: [9.0, 3.0, -1.0], length_width_height_m: [2.0, 0.8, 1.2], yaw_rad: 0.1 };
         let whole = OrientedBox { length_width_height_m: [length_m, 1.8, 1.5], yaw_rad, ..seen };
-        VehicleExample {
+        RoadUserExample {
             sequence: "a".to_owned(),
-            seen: SeenVehicle::new(seen, -1.7, &[[9.0, 3.0, -1.0]]),
+            road_user: RoadUser::Vehicle,
+            seen: SeenRoadUser::new(seen, -1.7, &[[9.0, 3.0, -1.0]]),
             whole,
         }
     }
 
     #[test]
     fn what_is_always_the_same_cannot_be_learned() {
-        let refused = |examples: &[VehicleExample]| train_boxes(examples, &|| ()).unwrap_err().to_string();
+        let refused = |examples: &[RoadUserExample]| {
+            train_boxes(&examples.iter().collect::<Vec<_>>(), &|| ()).unwrap_err().to_string()
+        };
         assert!(refused(&[]).contains("no two of the 0 vehicles"));
         // Too far off to learn from.
         assert!(refused(&[vehicle(0.1 + 0.5, 4.0)]).contains("no two of the 0 vehicles"));
@@ -346,7 +364,7 @@ mod tests {
     fn from_one_drive_nobody_can_learn_what_is_right() {
         let turned = std::f32::consts::FRAC_PI_2;
         let examples = [vehicle(0.1, 4.0), vehicle(0.1 + turned, 4.4), vehicle(0.1 + 2.0 * turned, 4.2)];
-        let error = train_boxes(&examples, &|| ()).unwrap_err();
+        let error = train_boxes(&examples.iter().collect::<Vec<_>>(), &|| ()).unwrap_err();
         assert!(matches!(error, BoxTrainingError::OneDrive { n: 3 }), "{error}");
     }
 

@@ -7,6 +7,7 @@ use detector::pipeline::stage_list::Pipeline;
 use detector::{Detector, DetectorOutput, OrientedBox};
 use rand::{RngExt as _, SeedableRng as _};
 use rand_chacha::ChaCha8Rng;
+use reports::vocabulary::class::AnnotationClass;
 use scans::annotation::LabeledScan;
 
 use crate::object_box::ObjectBox;
@@ -27,6 +28,8 @@ pub struct Candidate {
     pub sequence: String,
     /// Its kind.
     pub kind: CandidateKind,
+    /// Class of the annotation that it shows.
+    pub shown: Option<AnnotationClass>,
     /// The box around its points.
     pub bounding_box: OrientedBox,
     /// The ground below it, and what stands around it.
@@ -98,7 +101,8 @@ fn clusters(scan: &LabeledScan, output: &DetectorOutput, source: &CandidateSourc
             return None;
         }
         let kind = labels.kind_of(detection.point_indices)?;
-        Some(candidate(scan, kind, detection.bounding_box, detection.point_indices))
+        let shown = labels.shown(detection.point_indices);
+        Some(Candidate { shown, ..candidate(scan, kind, detection.bounding_box, detection.point_indices) })
     };
     output.detections.iter().filter_map(of_detection).collect()
 }
@@ -145,5 +149,5 @@ fn candidate(
 ) -> Candidate {
     let positions_m = point_indices.iter().map(|&it| scan.cloud.position_m(it as usize)).collect();
     let (sequence, surroundings) = (scan.id.sequence.clone(), Surroundings::default());
-    Candidate { sequence, kind, bounding_box, surroundings, positions_m }
+    Candidate { sequence, kind, shown: None, bounding_box, surroundings, positions_m }
 }

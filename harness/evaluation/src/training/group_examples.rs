@@ -3,16 +3,18 @@
 use detector::classify::grouping_model::{N_VEHICLE_VALUES, vehicle_values};
 use detector::classify::refinement_forests::{RefinementBuffers, RefinementForests};
 use detector::describe::prototype_library::PrototypeLibrary;
+use detector::describe::seen_size::may_be;
 use detector::describe::vehicle_features::VehicleDescriber;
 use detector::fit::convex_hull_box::ConvexHullBox;
 use detector::group::node_values::{JOINED_AT, LEVEL, N_NODE_VALUES};
 use detector::pipeline::frame::Groups;
 use detector::pipeline::stage_list::Pipeline;
+use detector::road_user::{MayBe, N_ROAD_USERS, RoadUser};
 use detector::{Detector, DetectorOutput};
 use scans::annotation::{LabeledScan, PointRegion};
 
-use crate::matching::eligibility::{counts_as_vehicle, may_be_vehicle};
 use crate::scan_pass::{ScanPass, ScanPassError};
+use crate::training::vehicle_labels::is_road_user;
 
 /// A group shows an annotated object if their points have this intersection over union.
 pub const LEAST_IOU: f32 = 0.5;
@@ -39,7 +41,9 @@ pub struct GroupExample {
     pub node_idx: u32,
     /// The values that distinguish objects.
     pub node_values: [f32; N_NODE_VALUES],
-    /// The values that distinguish vehicles.
+    /// The road users that it may show by its size.
+    pub may_be: MayBe,
+    /// The values that distinguish road users.
     pub vehicle_values: [f32; N_VEHICLE_VALUES],
     /// `None` unless more than half of its points are labelled.
     pub labels: Option<GroupLabels>,
@@ -50,11 +54,16 @@ pub struct GroupExample {
 pub struct GroupLabels {
     /// Its greatest intersection over union with an annotated object, by points; 0 to 1.
     pub iou: f32,
-    /// Whether it shows a vehicle; `None` if the class of the object that it shows leaves this open.
-    pub is_vehicle: Option<bool>,
+    /// Whether it shows each of [`RoadUser::ALL`]; `None` if the class of the object that it shows leaves this open.
+    pub shows: [Option<bool>; N_ROAD_USERS],
 }
 
 impl GroupExample {
+    /// Whether it shows `road_user`; `None` without labels, or if these leave it open.
+    pub fn shows(&self, road_user: RoadUser) -> Option<bool> {
+        self.labels.and_then(|it| it.shows[road_user as usize])
+    }
+
     /// Whether it shows an annotated object.
     pub fn shows_object(&self) -> bool {
         self.labels.is_some_and(|it| it.iou >= LEAST_IOU)
@@ -147,11 +156,7 @@ fn groups_of(scan: &LabeledScan, looker: &mut Looker) -> ScanGroups {
         };
         let best = (0..n_shared.len()).max_by(|&a, &b| iou(a).total_cmp(&iou(b)).then(b.cmp(&a)));
         let shown = best.filter(|&it| iou(it) >= LEAST_IOU).map(|it| scan.annotations[it].class);
-        let is_vehicle = match shown {
-            Some(class) if may_be_vehicle(class) => None,
-            Some(class) => Some(counts_as_vehicle(class)),
-            None => Some(false),
-        };
+        let shows = RoadUser::ALL.map(|it| shown.map_or(Some(false), |class| is_road_user(class, it)));
         let positions_m: Vec<[f32; 3]> =
             point_indices.iter().map(|&it| scan.cloud.position_m(it as usize)).collect();
         let outline_m = positions_m.iter().map(|&[x_m, y_m, _]| [x_m, y_m]);
@@ -160,10 +165,11 @@ fn groups_of(scan: &LabeledScan, looker: &mut Looker) -> ScanGroups {
         let bounding_box = box_fit.fit(outline_m, [low_m, high_m]).expect("groups have points");
         let features = describer.describe(&bounding_box, &node.surroundings, positions_m.iter().copied());
         let features = features.expect("groups have points");
-        let labels = GroupLabels { iou: best.map_or(0.0, iou), is_vehicle };
+        let labels = GroupLabels { iou: best.map_or(0.0, iou), shows };
         groups.push(GroupExample {
             node_idx: node.node_idx,
             node_values: node.values,
+            may_be: may_be(&bounding_box, node.surroundings.ground_m),
             vehicle_values: vehicle_values(&features, &node.values),
             labels: (2 * n_labeled > point_indices.len()).then_some(labels),
         });

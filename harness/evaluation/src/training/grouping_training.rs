@@ -3,11 +3,13 @@
 use std::collections::BTreeMap;
 
 use detector::classify::grouping_model::GroupingModel;
+use detector::classify::road_user_forests::RoadUserForests;
 use detector::describe::prototype_library::PrototypeLibrary;
+use detector::road_user::{N_ROAD_USERS, RoadUser};
 use forust_ml::errors::ForustError;
 
 use crate::training::boosting::{BoostingParams, Target, boost};
-use crate::training::group_examples::ScanGroups;
+use crate::training::group_examples::{GroupExample, ScanGroups};
 use crate::training::refinement_training::{N_FORESTS, train_refinement};
 
 /// Chosen on held-out drives of the training streets. Trees that each learn from half of the examples and values are as good
@@ -18,11 +20,16 @@ const OBJECTS: BoostingParams =
 pub const VEHICLES: BoostingParams =
     BoostingParams { n_trees: 400, depth: 6, learning_rate: 0.1, least_leaf_weight: 5.0, drawn_share: 0.5 };
 
-/// The forest of vehicles learns from groups of at least this expected IoU: others are not taken for objects.
-pub const LEAST_IOU_OF_VEHICLES: f32 = 0.25;
+/// Pedestrians and cyclists are fewer, and of one size each.
+pub const OTHERS: BoostingParams = BoostingParams { n_trees: 200, ..VEHICLES };
+/// A class of fewer examples is not learned.
+const FEWEST_OF_CLASS: usize = 50;
+
+/// The forests of road users learn from groups of at least this expected IoU: others are not taken for objects.
+pub const LEAST_IOU_OF_ROAD_USERS: f32 = 0.25;
 
 /// Number of forests that [`train_on_groups`] trains.
-pub const N_GROUPING_FORESTS: usize = N_FORESTS + 1;
+pub const N_GROUPING_FORESTS: usize = N_FORESTS + N_ROAD_USERS;
 
 /// Trains all forests with `scans`, whose side profiles were compared with those of `library`. The expected IoU of a group
 /// decides whether the forest of vehicles learns from it; it comes from forests that have not seen its drive, after `rounds`
@@ -40,21 +47,69 @@ pub fn train_on_groups(
     on_forest: &(dyn Fn() + Sync),
 ) -> Result<GroupingModel, ForustError> {
     let (objects, expected_ious) = train_refinement(scans, &OBJECTS, rounds, on_forest)?;
-    let (mut values, mut are_vehicles, mut weights) = (Vec::new(), Vec::new(), Vec::new());
-    for (scan, expected_ious) in scans.iter().zip(expected_ious) {
-        for (expected_iou, it) in expected_ious.into_iter().zip(&scan.groups) {
-            let label =
-                it.labels.and_then(|it| it.is_vehicle).filter(|_| expected_iou >= LEAST_IOU_OF_VEHICLES);
-            if let Some(is_vehicle) = label {
-                values.push(&it.vehicle_values);
-                are_vehicles.push(f64::from(u8::from(is_vehicle)));
-                weights.push(scan.weight);
-            }
-        }
-    }
-    let vehicles = boost(&values, (&are_vehicles, &weights), Target::Yes, &VEHICLES)?;
-    on_forest();
-    Ok(GroupingModel { objects, vehicles, library })
+    let groups = scans.iter().zip(expected_ious).flat_map(|(scan, expected_ious)| {
+        scan.groups.iter().zip(expected_ious).map(|(it, expected_iou)| (scan.weight, it, expected_iou))
+    });
+    let judged: Vec<(f64, &GroupExample)> = groups
+        .filter(|(.., expected_iou)| *expected_iou >= LEAST_IOU_OF_ROAD_USERS)
+        .map(|(weight, it, _)| (weight, it))
+        .collect();
+    let examples = |road_user: RoadUser| {
+        let labels =
+            judged.iter().filter(|(_, it)| it.may_be.allows(road_user)).filter_map(|(weight, it)| {
+                Some(ClassExample {
+                    values: &it.vehicle_values,
+                    is_so: it.shows(road_user)?,
+                    weight: *weight,
+                })
+            });
+        labels.collect::<Vec<_>>()
+    };
+    let road_users = train_road_users(&examples, on_forest)?;
+    Ok(GroupingModel { objects, road_users, library })
+}
+
+/// An example for the forest of a class.
+#[derive(Debug, Clone, Copy)]
+pub struct ClassExample<'a, const D: usize> {
+    /// Its values.
+    pub values: &'a [f32; D],
+    /// Whether it is of the class.
+    pub is_so: bool,
+    /// Its weight.
+    pub weight: f64,
+}
+
+/// Trains a forest for each class of road users with the `examples` of the class. Pedestrians and cyclists are learned only
+/// if there are enough of them.
+///
+/// `on_forest` is called after each class.
+///
+/// # Errors
+///
+/// If there is no example for vehicles.
+pub fn train_road_users<'a, const D: usize>(
+    examples: &dyn Fn(RoadUser) -> Vec<ClassExample<'a, D>>,
+    on_forest: &(dyn Fn() + Sync),
+) -> Result<RoadUserForests<D>, ForustError> {
+    let trained = |examples: &[ClassExample<'a, D>], params: &BoostingParams| {
+        let values: Vec<_> = examples.iter().map(|it| it.values).collect();
+        let targets: Vec<f64> = examples.iter().map(|it| f64::from(u8::from(it.is_so))).collect();
+        let weights: Vec<f64> = examples.iter().map(|it| it.weight).collect();
+        let forest = boost(&values, (&targets, &weights), Target::Yes, params);
+        on_forest();
+        forest
+    };
+    let of_others = |road_user: RoadUser| {
+        let examples = examples(road_user);
+        let are_enough = examples.iter().filter(|it| it.is_so).count() >= FEWEST_OF_CLASS;
+        are_enough.then(|| trained(&examples, &OTHERS)).transpose()
+    };
+    Ok(RoadUserForests {
+        vehicles: trained(&examples(RoadUser::Vehicle), &VEHICLES)?,
+        pedestrians: of_others(RoadUser::Pedestrian)?,
+        cyclists: of_others(RoadUser::Cyclist)?,
+    })
 }
 
 /// For each sensor of `scans` the tolerance at which most annotated objects are a component; of equals the smallest. The
@@ -84,6 +139,7 @@ mod tests {
 
     use super::*;
     use crate::training::group_examples::{GroupExample, GroupLabels};
+    use detector::road_user::MayBe;
 
     /// A group that exists from level `level` to `joined_at` and has this `iou` with an object.
     fn group(level: f32, joined_at: f32, iou: f32) -> GroupExample {
@@ -91,8 +147,14 @@ mod tests {
         for (name, value) in [("level", level), ("joined_at", joined_at)] {
             node_values[NODE_VALUES.iter().position(|it| *it == name).unwrap()] = value;
         }
-        let labels = Some(GroupLabels { iou, is_vehicle: None });
-        GroupExample { node_idx: 0, node_values, vehicle_values: [0.0; N_VEHICLE_VALUES], labels }
+        let labels = Some(GroupLabels { iou, shows: [None; 3] });
+        GroupExample {
+            node_idx: 0,
+            node_values,
+            may_be: MayBe::ALL,
+            vehicle_values: [0.0; N_VEHICLE_VALUES],
+            labels,
+        }
     }
 
     #[test]

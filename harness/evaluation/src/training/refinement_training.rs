@@ -143,6 +143,7 @@ mod tests {
     use detector::classify::grouping_model::N_VEHICLE_VALUES;
     use detector::classify::refinement_forests::RefinementBuffers;
     use detector::group::node_values::N_NODE_VALUES;
+    use detector::road_user::MayBe;
 
     /// A whole of two parts: either the whole is the object, or each part is one. No value of a group by itself shows which,
     /// but the first part is longer if both parts are objects.
@@ -156,7 +157,8 @@ mod tests {
                 node_idx,
                 node_values,
                 vehicle_values,
-                labels: Some(GroupLabels { iou, is_vehicle: None }),
+                may_be: MayBe::ALL,
+                labels: Some(GroupLabels { iou, shows: [None; 3] }),
             }
         };
         let [of_part, of_whole] = if are_parts { [0.9, 0.5] } else { [0.4, 0.9] };

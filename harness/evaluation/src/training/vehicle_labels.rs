@@ -1,5 +1,7 @@
 //! Kind of a set of points, according to the labels of the scan.
 
+use detector::road_user::RoadUser;
+use reports::vocabulary::class::AnnotationClass;
 use scans::annotation::{Annotation, LabeledScan, PointRegion};
 
 use super::candidate_kind::CandidateKind;
@@ -12,6 +14,17 @@ const LEAST_IOU: f64 = 0.5;
 /// Background has at most this share of its points on annotations that are or may be vehicles. A cluster with a larger share
 /// that shows no vehicle is a fragment.
 const MOST_ON_VEHICLES: f64 = 0.05;
+
+/// Whether annotations of `class` are `road_user`; `None` if they may or may not be.
+pub fn is_road_user(class: AnnotationClass, road_user: RoadUser) -> Option<bool> {
+    match (road_user, class) {
+        (RoadUser::Vehicle, class) if may_be_vehicle(class) => None,
+        (RoadUser::Vehicle, class) => Some(counts_as_vehicle(class)),
+        (_, AnnotationClass::Misc) | (RoadUser::Pedestrian, AnnotationClass::SittingPerson) => None,
+        (RoadUser::Pedestrian, class) => Some(class == AnnotationClass::Pedestrian),
+        (RoadUser::Cyclist, class) => Some(class == AnnotationClass::Cyclist),
+    }
+}
 
 /// The labels of one scan.
 pub struct VehicleLabels<'a> {
@@ -34,6 +47,12 @@ impl<'a> VehicleLabels<'a> {
         Self { scan, is_on_vehicle }
     }
 
+    /// Class of the annotation that these points show, if they show one.
+    pub fn shown(&self, point_indices: &[u32]) -> Option<AnnotationClass> {
+        let shared = self.shared(point_indices);
+        shared.iter().find(|it| fits(it, point_indices.len())).map(|(annotation, _)| annotation.class)
+    }
+
     /// Kind of these points. `None` if the labels do not determine it.
     pub fn kind_of(&self, point_indices: &[u32]) -> Option<CandidateKind> {
         let n_points = point_indices.len();
@@ -41,12 +60,8 @@ impl<'a> VehicleLabels<'a> {
             return None;
         }
         let shared = self.shared(point_indices);
-        let fits = |&&(annotation, n_shared): &&(&Annotation, usize)| {
-            let n_annotated = annotation.point_indices.len();
-            let iou = n_shared as f64 / (n_points + n_annotated - n_shared) as f64;
-            counts_as_vehicle(annotation.class) && n_annotated >= LEAST_ANNOTATED_POINTS && iou >= LEAST_IOU
-        };
-        match shared.iter().find(fits) {
+        let is_vehicle = |it: &&(&Annotation, usize)| counts_as_vehicle(it.0.class) && fits(it, n_points);
+        match shared.iter().find(is_vehicle) {
             Some(&(&Annotation { class, bounding_box, occlusion, .. }, _)) => {
                 Some(CandidateKind::Vehicle { class, whole: bounding_box, occlusion })
             }
@@ -75,6 +90,13 @@ impl<'a> VehicleLabels<'a> {
         let labeled = |&&it: &&u32| self.scan.point_regions[it as usize] == PointRegion::Labeled;
         2 * point_indices.iter().filter(labeled).count() > point_indices.len()
     }
+}
+
+/// Whether `n_points` that share so many points with an annotation show it, and it is judged.
+fn fits(&(annotation, n_shared): &(&Annotation, usize), n_points: usize) -> bool {
+    let n_annotated = annotation.point_indices.len();
+    let iou = n_shared as f64 / (n_points + n_annotated - n_shared) as f64;
+    n_annotated >= LEAST_ANNOTATED_POINTS && iou >= LEAST_IOU
 }
 
 /// Whether half of the points lie on annotations that are not judged: those with too few points, and those that may be

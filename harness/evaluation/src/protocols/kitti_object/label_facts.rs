@@ -44,7 +44,7 @@ pub fn facts_of_detections(
     };
     let camera =
         Camera { velodyne: velodyne_from_camera, image_from_velodyne, image_size_px: *image_size_px };
-    let all = output.detections.iter().chain(output.unlikely_vehicles.iter());
+    let all = output.detections.iter().chain(output.unlikely.iter());
     let detections = all.filter_map(|it| {
         let class = match (detection_class(&it), it.class) {
             (DetectionClass::Given(class), _) => class,

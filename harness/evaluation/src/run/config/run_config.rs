@@ -8,7 +8,7 @@ use baselines::params::{BaselineParams, PARAMS_TOML};
 use detector::grid::density_curve::DensityCurve;
 use detector::params::HierarchicalParams;
 use detector::params::paper::PaperParams;
-use detector::whole::box_model::BoxModel;
+use detector::whole::box_model::BoxModels;
 use reports::files::regular_file::read_settings;
 use scans::dataset::DatasetDescription;
 use scans::dataset::class_table::ClassTable;
@@ -192,7 +192,7 @@ impl RunConfig {
     }
 
     /// The model of the boxes of whole vehicles; `None` for the one that comes with the program.
-    pub fn box_model(&self) -> Option<Arc<BoxModel>> {
+    pub fn box_model(&self) -> Option<Arc<BoxModels>> {
         self.vehicle_models.as_ref().and_then(VehicleModels::boxes)
     }
 

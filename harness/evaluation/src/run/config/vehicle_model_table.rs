@@ -10,7 +10,7 @@ use detector::classify::model_file::{ModelFile, ModelFileError};
 use detector::classify::paper_model::PaperModel;
 use detector::classify::vehicle_model::VehicleModel;
 use detector::params::ParamsError;
-use detector::whole::box_model::BoxModel;
+use detector::whole::box_model::BoxModels;
 use reports::files::regular_file::{MOST_OF_MODEL, read_bytes};
 use scans::dataset::checksum::sha256;
 use serde::Deserialize;
@@ -140,7 +140,7 @@ pub struct VehicleModels {
     clusters: ModelSource<VehicleModel>,
     paper: ModelSource<PaperModel>,
     pca: ModelSource<PcaVehicleModel>,
-    boxes: ModelSource<BoxModel>,
+    boxes: ModelSource<BoxModels>,
 }
 
 /// Source of a model.
@@ -218,7 +218,7 @@ impl VehicleModels {
     }
 
     /// Model of the boxes of whole vehicles; `None` for the one that comes with the program.
-    pub fn boxes(&self) -> Option<Arc<BoxModel>> {
+    pub fn boxes(&self) -> Option<Arc<BoxModels>> {
         match &self.boxes {
             ModelSource::Shipped => None,
             ModelSource::Trained { model, .. } => Some(Arc::clone(model)),
@@ -292,7 +292,7 @@ pub(super) fn vehicle_models_from(text: &str) -> Result<Option<VehicleModels>, V
         clusters: rivals.model(CLUSTERS_FILE, VehicleModel::from_bytes)?,
         paper: paper_from(&paper, table.paper_as_printed)?,
         pca: pca.model(PCA_FILE, PcaVehicleModel::from_bytes)?,
-        boxes: boxes.model(BOXES_FILE, BoxModel::from_bytes)?,
+        boxes: boxes.model(BOXES_FILE, BoxModels::from_bytes)?,
     }))
 }
 

@@ -1,11 +1,13 @@
 //! `scanbench train boxes`.
 
+use detector::road_user::RoadUser;
+use detector::whole::box_model::{BoxModel, BoxModels};
 use evaluation::run::config::{BOXES_FILE, RunConfig};
 use evaluation::run::detector_list::{DETECTORS, ListedDetector};
 use evaluation::training::CHOICE_SEED;
 use evaluation::training::box_training::{
-    BoxJudgement, LEARNED_FROM, N_BOX_FORESTS, RIGHT_IOU, SEEN, VehicleExample, collect_vehicles,
-    train_boxes as train_trees,
+    BoxJudgement, FEWEST_EXAMPLES, LEARNED_FROM, N_BOX_FORESTS, RoadUserExample, SEEN, collect_road_users,
+    right_iou, train_boxes as train_trees,
 };
 use jiff::Timestamp;
 use reports::run_folder::command_line::shell_word;
@@ -23,7 +25,7 @@ use crate::plumbing::run_directory::{claim_named, claim_unnamed};
 use crate::plumbing::standard_streams::{print_diagnostic, print_result_in};
 use crate::verbs::train::data::{TrainingData, nothing};
 use crate::verbs::train::files::manifest;
-use crate::verbs::train::groupings::drives;
+use crate::verbs::train::groupings::{drives, in_plural};
 
 /// Trains the model that makes boxes whole, judges it by drives it has not seen, and writes and prints the result.
 pub fn train_boxes(arguments: &BoxTrainingArgs) -> Result<(), Failure> {
@@ -41,7 +43,7 @@ pub fn train_boxes(arguments: &BoxTrainingArgs) -> Result<(), Failure> {
     let directory = RunDirectory::begin(claim_unnamed(named, &unnamed, LatestPointer::Leave)?)?;
     let detectors: Vec<ListedDetector> =
         DETECTORS.iter().filter(|it| LEARNED_FROM.contains(&it.name)).copied().collect();
-    let (mut judged, mut taught): (Vec<VehicleExample>, Vec<VehicleExample>) = (Vec::new(), Vec::new());
+    let (mut judged, mut taught): (Vec<RoadUserExample>, Vec<RoadUserExample>) = (Vec::new(), Vec::new());
     for it in data.opened() {
         let description = it.dataset.description();
         warn_of_unknown_sensor(&data.config, description);
@@ -50,37 +52,50 @@ pub fn train_boxes(arguments: &BoxTrainingArgs) -> Result<(), Failure> {
         let height_m = description.sensor_height_m;
         let new_detectors = || detectors.iter().map(|it| it.build(&of_sensor, height_m)).collect();
         let found = it.look(interrupted, |pass| {
-            collect_vehicles(pass, &new_detectors, &of_sensor.hierarchical, &of_sensor.matching)
+            collect_road_users(pass, &new_detectors, &of_sensor.hierarchical, &of_sensor.matching)
         })?;
         for vehicle in found {
             let is_judged = data.parted.is_held_out(&description.id, &vehicle.sequence);
             if is_judged { &mut judged } else { &mut taught }.push(vehicle);
         }
     }
-    let progress = progress_over_results(N_BOX_FORESTS, 0, "forests");
-    let (model, n_taught) = train_trees(&taught, &|| progress.inc(1)).map_err(|error| nothing(&error))?;
+    let progress = progress_over_results(RoadUser::ALL.len() * N_BOX_FORESTS, 0, "forests");
+    let mut texts = vec![drives(&data.parted)];
+    let mut learned = |road_user: RoadUser| -> Result<Option<BoxModel>, Failure> {
+        let of_class = |all: &'_ [RoadUserExample]| -> Vec<RoadUserExample> {
+            all.iter().filter(|it| it.road_user == road_user).cloned().collect()
+        };
+        let (taught, judged) = (of_class(&taught), of_class(&judged));
+        let [taught, judged] = [&taught, &judged].map(|all| all.iter().collect::<Vec<_>>());
+        if road_user != RoadUser::Vehicle && taught.len() < FEWEST_EXAMPLES {
+            return Ok(None);
+        }
+        let (model, n_taught) = train_trees(&taught, &|| progress.inc(1)).map_err(|error| nothing(&error))?;
+        let judgement = BoxJudgement::of(&model, &judged);
+        texts.push(text(road_user, [n_taught, judged.len()], &judgement));
+        Ok(Some(model))
+    };
+    let vehicles = learned(RoadUser::Vehicle)?.ok_or_else(|| nothing(&"there are no vehicles"))?;
+    let pedestrians = learned(RoadUser::Pedestrian)?;
+    let cyclists = learned(RoadUser::Cyclist)?;
     progress.finish_and_clear();
+    let models = BoxModels { vehicles, pedestrians, cyclists };
     let sensors = (!arguments.sensors.is_empty()).then(|| arguments.sensors.join(","));
     let made = data.provenance("train boxes", &[("--sensors", sensors)], &arguments.judging, CHOICE_SEED);
     directory.write_file(MANIFEST_JSON, format!("{:#}\n", manifest(&data, started)).as_bytes())?;
-    directory.write_file(BOXES_FILE, &model.to_file(made).to_bytes())?;
+    directory.write_file(BOXES_FILE, &models.to_file(made).to_bytes())?;
     let finished = directory.finish()?;
-    let judgement = BoxJudgement::of(&model, &judged);
-    let printed = print_result_in(
-        "Model",
-        &finished,
-        format_args!("{}\n\n{}", drives(&data.parted), text([n_taught, judged.len()], &judgement)),
-    );
+    let printed = print_result_in("Model", &finished, texts.join("\n\n"));
     let setting = shell_word(&format!("vehicle_model.boxes_directory={}", finished.display()));
     print_diagnostic(format_args!("Run it: scanbench run -P {setting}"));
     printed
 }
 
-/// How boxes do on vehicles of drives that the model has not seen, for people.
-fn text([n_taught, n_judged]: [usize; 2], judgement: &BoxJudgement) -> String {
+/// How boxes do on road users of drives that the model has not seen, for people.
+fn text(road_user: RoadUser, [n_taught, n_judged]: [usize; 2], judgement: &BoxJudgement) -> String {
     let BoxJudgement { seen, whole, sure_fronts, right_boxes } = judgement;
     let mut lines = vec![
-        format!("Trained on {n_taught} vehicles; of {n_judged} held-out ones, in %:"),
+        format!("Trained on {n_taught} {}; of {n_judged} held-out ones, in %:", in_plural(road_user)),
         format!("{:<24}{:>12}{:>12}", "", "as seen", "whole"),
     ];
     let mut line = |what: &str, seen: f64, whole: f64| {
@@ -101,7 +116,13 @@ fn text([n_taught, n_judged]: [usize; 2], judgement: &BoxJudgement) -> String {
         let share = share.map_or_else(|| "–".to_owned(), |it| format!("{:.1}", 100.0 * it));
         lines.push(format!("{what:<24}{:>12}{share:>12}", "–"));
     }
-    lines.push(format!("\nIoU in space >= {RIGHT_IOU}\n{:>10}{:>10}{:>10}", "expected", "observed", "boxes"));
+    lines.push(format!(
+        "\nIoU in space >= {}\n{:>10}{:>10}{:>10}",
+        right_iou(road_user),
+        "expected",
+        "observed",
+        "boxes"
+    ));
     lines.extend(
         right_boxes.iter().map(|it| format!("{:>10.3}{:>10.3}{:>10}", it.expected, it.observed, it.n)),
     );

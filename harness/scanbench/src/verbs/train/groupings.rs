@@ -12,10 +12,11 @@ use detector::params::HierarchicalParams;
 use detector::pipeline::frame::Frame;
 use detector::pipeline::grouping_stages::grouping;
 use detector::pipeline::stage_list::Pipeline;
+use detector::road_user::{N_ROAD_USERS, RoadUser};
 use evaluation::run::config::GROUPINGS_FILE;
 use evaluation::training::CHOICE_SEED;
 use evaluation::training::group_examples::{GroupLabels, LEAST_IOU, ScanGroups, collect_groups};
-use evaluation::training::grouping_training::{LEAST_IOU_OF_VEHICLES, N_GROUPING_FORESTS, train_on_groups};
+use evaluation::training::grouping_training::{LEAST_IOU_OF_ROAD_USERS, N_GROUPING_FORESTS, train_on_groups};
 use evaluation::training::held_out::HeldOut;
 use evaluation::training::model_odds::ModelOdds;
 use evaluation::training::operating_curves::OperatingCurves;
@@ -178,7 +179,7 @@ impl TrainedTrees {
         let progress = progress_over_results(N_GROUPING_FORESTS, 0, "forests");
         let mut model = train_on_groups(&taught, rounds, library, &|| progress.inc(1))
             .map_err(|error| nothing(&error))?;
-        model.vehicles = ModelOdds::applied(odds, name, model.vehicles);
+        model.road_users.vehicles = ModelOdds::applied(odds, name, model.road_users.vehicles);
         progress.finish_and_clear();
         let judgement = Judgement::of(&model, rounds, &judged);
         let n_taught = taught.iter().map(|it| it.n_labeled()).sum();
@@ -191,13 +192,22 @@ impl TrainedTrees {
     }
 }
 
+/// Several of a class, for people.
+pub fn in_plural(road_user: RoadUser) -> &'static str {
+    match road_user {
+        RoadUser::Vehicle => "vehicles",
+        RoadUser::Pedestrian => "pedestrians",
+        RoadUser::Cyclist => "cyclists",
+    }
+}
+
 /// How the forests do on groups of drives they have not seen.
 pub struct Judgement {
     n: usize,
     n_objects: usize,
     objects: OperatingCurves,
-    n_vehicles: usize,
-    vehicles: OperatingCurves,
+    // Of each class of road users that was learned.
+    road_users: Vec<(RoadUser, OperatingCurves)>,
     ious: Vec<CalibrationBin>,
     probabilities: Vec<CalibrationBin>,
 }
@@ -205,15 +215,22 @@ pub struct Judgement {
 impl Judgement {
     fn of(model: &GroupingModel, rounds: u8, judged: &[&ScanGroups]) -> Self {
         let mut buffers = RefinementBuffers::default();
-        let (mut expected_ious, mut odds) = (Vec::new(), Vec::new());
+        let mut expected_ious = Vec::new();
+        let mut odds: [Vec<(f32, bool)>; N_ROAD_USERS] = Default::default();
         for scan in judged {
             for (expected_iou, it) in
                 scan.expected_ious(&model.objects, rounds, &mut buffers).into_iter().zip(&scan.groups)
             {
-                let Some(GroupLabels { iou, is_vehicle }) = it.labels else { continue };
+                let Some(GroupLabels { iou, .. }) = it.labels else { continue };
                 expected_ious.push((expected_iou, iou));
-                if let Some(is_vehicle) = is_vehicle.filter(|_| expected_iou >= LEAST_IOU_OF_VEHICLES) {
-                    odds.push((model.vehicles.sum(&it.vehicle_values), is_vehicle));
+                if expected_iou < LEAST_IOU_OF_ROAD_USERS {
+                    continue;
+                }
+                for road_user in RoadUser::ALL.into_iter().filter(|class| it.may_be.allows(*class)) {
+                    let forest = model.road_users.of_class(road_user);
+                    if let Some((forest, is_so)) = forest.zip(it.shows(road_user)) {
+                        odds[road_user as usize].push((forest.sum(&it.vehicle_values), is_so));
+                    }
                 }
             }
         }
@@ -222,12 +239,17 @@ impl Judgement {
             n: expected_ious.len(),
             n_objects: expected_ious.iter().filter(|it| it.1 >= LEAST_IOU).count(),
             objects: OperatingCurves::of(expected_ious.iter().map(|it| (it.0, it.1 >= LEAST_IOU))),
-            n_vehicles: odds.iter().filter(|it| it.1).count(),
-            vehicles: OperatingCurves::of(odds.iter().copied()),
+            road_users: RoadUser::ALL
+                .into_iter()
+                .filter(|it| model.road_users.of_class(*it).is_some())
+                .map(|it| (it, OperatingCurves::of(odds[it as usize].iter().copied())))
+                .collect(),
             ious: calibration(
                 expected_ious.iter().map(|it| (f64::from(it.0).clamp(0.0, 1.0), f64::from(it.1))),
             ),
-            probabilities: calibration(odds.iter().map(|it| (probability(it.0), f64::from(u8::from(it.1))))),
+            probabilities: calibration(
+                odds[0].iter().map(|it| (probability(it.0), f64::from(u8::from(it.1)))),
+            ),
         }
     }
 
@@ -242,19 +264,20 @@ impl Judgement {
 
     fn text(&self, n_taught: usize) -> String {
         let share = |area: Option<f64>| area.map_or_else(|| "undefined".to_owned(), |it| format!("{it:.4}"));
-        let Self { n, n_objects, n_vehicles, .. } = self;
+        let Self { n, n_objects, .. } = self;
         let mut lines = vec![
             format!("Trained on {n_taught} groups"),
             String::new(),
             format!(
-                "On {n} held-out groups, of which {n_objects} show an object; of those with an expected IoU of {LEAST_IOU_OF_VEHICLES} and more, {n_vehicles} show a \
-                 vehicle:"
+                "On {n} held-out groups; road users among those with an expected IoU of {LEAST_IOU_OF_ROAD_USERS} and more:"
             ),
-            format!("{:<12}{:>10}{:>24}", "", "ROC area", "precision-recall area"),
+            format!("{:<12}{:>10}{:>10}{:>24}", "", "groups", "ROC area", "precision-recall area"),
         ];
-        for (what, curves) in [("objects", &self.objects), ("vehicles", &self.vehicles)] {
+        let road_users =
+            self.road_users.iter().map(|(it, curves)| (in_plural(*it), curves.totals()[0], curves));
+        for (what, n, curves) in std::iter::once(("objects", *n_objects, &self.objects)).chain(road_users) {
             let areas = [curves.roc_area(), curves.precision_recall_area()].map(share);
-            lines.push(format!("{what:<12}{:>10}{:>24}", areas[0], areas[1]));
+            lines.push(format!("{what:<12}{n:>10}{:>10}{:>24}", areas[0], areas[1]));
         }
         for (title, bins) in [
             ("Intersection over union with an object", &self.ious),

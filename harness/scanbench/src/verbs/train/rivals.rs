@@ -13,11 +13,11 @@ use detector::classify::vehicle_model::{CLUSTER_MODEL, VehicleModel};
 use detector::describe::prototype_library::PrototypeLibrary;
 use detector::describe::trained_file::Provenance;
 use detector::params::{HierarchicalParams, PAPER_SENSOR};
+use detector::road_user::RoadUser;
 use evaluation::run::config::{CLUSTERS_FILE, COMPONENTS_FILE, NESTED_FILE, RunConfig};
-use evaluation::training::boosting::{Target, boost};
 use evaluation::training::cluster_training::{ClusterExample, described_clusters};
 use evaluation::training::group_examples::ScanGroups;
-use evaluation::training::grouping_training::{VEHICLES, best_tolerances};
+use evaluation::training::grouping_training::{ClassExample, best_tolerances, train_road_users};
 use evaluation::training::model_kind::ModelKind;
 use evaluation::training::model_odds::ModelOdds;
 use evaluation::training::operating_curves::OperatingCurves;
@@ -216,13 +216,20 @@ impl TrainedClusters {
         let of_datasets = weights_of(&n_by_dataset);
         let weights: Vec<f64> =
             n_by_dataset.iter().zip(of_datasets).flat_map(|(it, weight)| repeat_n(weight, it.1)).collect();
-        let values: Vec<_> = taught.iter().map(|it| &it.values).collect();
-        let are_vehicles: Vec<f64> = taught.iter().map(|it| f64::from(u8::from(it.is_vehicle))).collect();
-        let forest = boost(&values, (&are_vehicles, &weights), Target::Yes, &VEHICLES)
-            .map_err(|error| nothing(&error))?;
-        let forest = ModelOdds::applied(odds, CLUSTER_MODEL, forest);
-        let curves = OperatingCurves::of(judged.iter().map(|it| (forest.sum(&it.values), it.is_vehicle)));
-        Ok(Self { model: VehicleModel::new(library.clone(), forest), n_taught: taught.len(), curves })
+        let examples = |road_user: RoadUser| {
+            let weighted = taught.iter().zip(&weights).filter(|(it, _)| it.may_be.allows(road_user));
+            let labeled = weighted.filter_map(|(it, &weight)| {
+                Some(ClassExample { values: &it.values, is_so: it.shows[road_user as usize]?, weight })
+            });
+            labeled.collect::<Vec<_>>()
+        };
+        let mut forests = train_road_users(&examples, &|| ()).map_err(|error| nothing(&error))?;
+        forests.vehicles = ModelOdds::applied(odds, CLUSTER_MODEL, forests.vehicles);
+        let is_vehicle = |it: &ClusterExample| it.shows[RoadUser::Vehicle as usize] == Some(true);
+        let of_size = judged.iter().filter(|it| it.may_be.allows(RoadUser::Vehicle));
+        let curves =
+            OperatingCurves::of(of_size.map(|it| (forests.vehicles.sum(&it.values), is_vehicle(it))));
+        Ok(Self { model: VehicleModel::new(library.clone(), forests), n_taught: taught.len(), curves })
     }
 
     fn text(&self) -> String {

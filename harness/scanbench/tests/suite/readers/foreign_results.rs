@@ -76,7 +76,7 @@ fn echo(dataset: &dyn Dataset, scan_idx: usize) -> (DetectorOutput, Vec<ForeignB
     if let Some(&first) = boxes.first() {
         let unlikely = Detection::new(&[], first.bounding_box, DetectedClass::Vehicle, Some(-2.0));
         let box_details = BoxDetails { score: Some(OF_BOX - 2.0), ..BoxDetails::default() };
-        output.unlikely_vehicles.push(Detection { box_details, given: Some(car()), ..unlikely });
+        output.unlikely.push(Detection { box_details, given: Some(car()), ..unlikely });
         boxes.push(ForeignBox {
             score: unlikely.score,
             box_score: box_details.score,

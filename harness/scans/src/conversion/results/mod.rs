@@ -41,7 +41,7 @@ pub trait ResultWriter {
 /// have a volume: the points of a fence seen from its end lie in one plane, and readers take a side of 0 for damage.
 fn ranked(output: &DetectorOutput) -> impl Iterator<Item = (Detection<'_>, bool)> {
     let detections = output.detections.iter().map(|it| (it, false));
-    let all = detections.chain(output.unlikely_vehicles.iter().map(|it| (it, true)));
+    let all = detections.chain(output.unlikely.iter().map(|it| (it, true)));
     all.map(|(mut it, is_unlikely)| {
         it.bounding_box.length_width_height_m =
             it.bounding_box.length_width_height_m.map(|side_m| side_m.max(LEAST_SIDE_M));
@@ -73,7 +73,7 @@ mod tests {
             OrientedBox { center_m: [9.0, 2.0, -1.0], length_width_height_m: [1.9, 0.0, 1.7], yaw_rad: 0.3 };
         let car = OrientedBox { length_width_height_m: [4.2, 1.7, 1.5], ..fence };
         output.detections.push(Detection::new(&[0], fence, DetectedClass::Object, None));
-        output.unlikely_vehicles.push(Detection::new(&[], car, DetectedClass::Vehicle, None));
+        output.unlikely.push(Detection::new(&[], car, DetectedClass::Vehicle, None));
         let written: Vec<_> =
             ranked(&output).map(|(it, is_unlikely)| (it.bounding_box, is_unlikely)).collect();
         let fence = OrientedBox { length_width_height_m: [1.9, LEAST_SIDE_M, 1.7], ..fence };

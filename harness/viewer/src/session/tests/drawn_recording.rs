@@ -65,7 +65,7 @@ pub fn output() -> DetectorOutput {
             StageTime { stage: "grid", duration: Duration::from_millis(2) },
             StageTime { stage: "boxes", duration: Duration::from_millis(1) },
         ],
-        unlikely_vehicles: Detections::default(),
+        unlikely: Detections::default(),
         dropped_clusters: Vec::new(),
         n_left_uncut: 0,
     }
