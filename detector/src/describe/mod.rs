@@ -12,6 +12,7 @@ pub mod side_profile;
 pub mod elevation_spread;
 pub mod side_shares;
 pub mod lengthwise_thirds;
+pub mod height_slices;
 pub mod surface_roughness;
 
 // The side profiles of known vehicles.

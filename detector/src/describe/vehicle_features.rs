@@ -1,6 +1,8 @@
 //! The values that distinguish vehicles from background.
 
 use super::elevation_spread::ElevationSpread;
+use super::height_slices::{HeightSlices, N_SLICES};
+
 use super::lengthwise_thirds::LengthwiseThirds;
 use super::object_describer::ObjectDescriber;
 use super::paper_features::PaperDescriber;
@@ -13,7 +15,7 @@ use crate::portable_math::single;
 use crate::vector_instructions::{HotLoop, vectorised};
 
 /// Number of values that the vehicle model looks at.
-pub const N_FEATURES: usize = 28;
+pub const N_FEATURES: usize = 28 + 2 * N_SLICES;
 
 /// The names of the values that the classifier sees of an object, as in files.
 ///
@@ -51,6 +53,19 @@ pub const VEHICLE_FEATURES: [&str; N_FEATURES] = joined(
         // Its surroundings.
         "beyond_ends_share",
         "occupied_share",
+        // Its extent in slices of 0.35 m, from the ground up.
+        "length_of_slice_0_m",
+        "length_of_slice_1_m",
+        "length_of_slice_2_m",
+        "length_of_slice_3_m",
+        "length_of_slice_4_m",
+        "length_of_slice_5_m",
+        "width_of_slice_0_m",
+        "width_of_slice_1_m",
+        "width_of_slice_2_m",
+        "width_of_slice_3_m",
+        "width_of_slice_4_m",
+        "width_of_slice_5_m",
     ],
 );
 
@@ -112,6 +127,7 @@ impl VehicleDescriber {
         let elevation = ElevationSpread::of(points, center_above_m)?;
         let on = SideShares::of(points, length_m, width_m)?;
         let thirds = LengthwiseThirds::of(points, length_m, center_above_m)?;
+        let HeightSlices { lengths_m, widths_m } = HeightSlices::of(points, center_above_m);
         let n_points = points.up_m().len() as f32;
         let range_m = (center_x_m * center_x_m + center_y_m * center_y_m).sqrt();
         let n_beyond_ends = surroundings.n_beyond_ends as f32;
@@ -138,6 +154,8 @@ impl VehicleDescriber {
             n_beyond_ends / (n_beyond_ends + n_points),
             surroundings.occupied_share,
         ];
+        let slices: [f32; 2 * N_SLICES] = joined(lengths_m, widths_m);
+        let beyond_paper: [f32; N_FEATURES - PaperDescriber::NAMES.len()] = joined(beyond_paper, slices);
         Some(joined(of_paper, beyond_paper))
     }
 }

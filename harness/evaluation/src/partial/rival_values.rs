@@ -6,7 +6,7 @@ use detector::classify::grouping_model::GroupingModel;
 use detector::describe::object_describer::ObjectDescriber as _;
 use detector::describe::prototype_library::PrototypeLibrary;
 use detector::describe::surroundings::Surroundings;
-use detector::describe::vehicle_features::VehicleDescriber;
+use detector::describe::vehicle_features::{N_FEATURES, VehicleDescriber};
 use detector::partial::seen_extents::SeenExtents;
 
 use crate::object_box::ObjectBox;
@@ -14,7 +14,7 @@ use crate::object_box::ObjectBox;
 /// Number of extents.
 pub const N_EXTENTS: usize = 4;
 /// Number of values of the vehicle model.
-pub const N_VEHICLE_VALUES: usize = 28;
+pub const N_VEHICLE_VALUES: usize = N_FEATURES;
 
 /// Length, width, bottom and top of the points, in metres; `None` without points.
 pub fn extent_values(cloud: &PointCloud) -> Option<[f32; N_EXTENTS]> {
