@@ -30,7 +30,7 @@ use super::works::works;
 use super::world::{Motion, World, world_from_placement};
 
 /// Bumped whenever the same street, seed and sensor give other scans.
-pub const SIMULATOR_VERSION: u32 = 2;
+pub const SIMULATOR_VERSION: u32 = 3;
 
 named! {
     /// The kinds of streets there are.
