@@ -20,6 +20,15 @@ impl RoadUser {
     /// All, in the order of arrays that hold something of each.
     pub const ALL: [Self; 3] = [Self::Vehicle, Self::Pedestrian, Self::Cyclist];
 
+    /// Several of it, as in names of parts of models.
+    pub fn in_plural(self) -> &'static str {
+        match self {
+            Self::Vehicle => "vehicles",
+            Self::Pedestrian => "pedestrians",
+            Self::Cyclist => "cyclists",
+        }
+    }
+
     /// Whether detections of it are vehicles.
     pub fn class(self) -> DetectedClass {
         match self {

@@ -23,10 +23,11 @@ impl<const D: usize> RoadUserForests<D> {
     ///
     /// [`ModelFileError`] if that of vehicles is missing, or if one is damaged or looks at other values.
     pub fn of(file: &ModelFile, values: [&'static str; D]) -> Result<Self, ModelFileError> {
-        let known =
-            |it: RoadUser| file.has_part(name_of(it)).then(|| file.forest(name_of(it), values)).transpose();
+        let known = |it: RoadUser| {
+            file.has_part(it.in_plural()).then(|| file.forest(it.in_plural(), values)).transpose()
+        };
         Ok(Self {
-            vehicles: file.forest(name_of(RoadUser::Vehicle), values)?,
+            vehicles: file.forest(RoadUser::Vehicle.in_plural(), values)?,
             pedestrians: known(RoadUser::Pedestrian)?,
             cyclists: known(RoadUser::Cyclist)?,
         })
@@ -35,7 +36,7 @@ impl<const D: usize> RoadUserForests<D> {
     /// `file` with these forests.
     pub fn in_file(&self, file: ModelFile, values: [&'static str; D]) -> ModelFile {
         let known = RoadUser::ALL.into_iter().filter_map(|it| Some((it, self.of_class(it)?)));
-        known.fold(file, |file, (road_user, forest)| file.with_forest(name_of(road_user), values, forest))
+        known.fold(file, |file, (road_user, forest)| file.with_forest(road_user.in_plural(), values, forest))
     }
 
     /// The forest of a class; `None` if it was not trained with it.
@@ -44,6 +45,16 @@ impl<const D: usize> RoadUserForests<D> {
             RoadUser::Vehicle => Some(&self.vehicles),
             RoadUser::Pedestrian => self.pedestrians.as_ref(),
             RoadUser::Cyclist => self.cyclists.as_ref(),
+        }
+    }
+
+    /// These forests, each changed by `change`.
+    #[must_use]
+    pub fn changed(self, change: impl Fn(RoadUser, Forest<D>) -> Forest<D>) -> Self {
+        Self {
+            vehicles: change(RoadUser::Vehicle, self.vehicles),
+            pedestrians: self.pedestrians.map(|it| change(RoadUser::Pedestrian, it)),
+            cyclists: self.cyclists.map(|it| change(RoadUser::Cyclist, it)),
         }
     }
 
@@ -60,15 +71,6 @@ impl<const D: usize> RoadUserForests<D> {
             forest.map_or(RoadUserOdds::NONE.of(it), |forest| forest.sum(values))
         };
         RoadUserOdds(RoadUser::ALL.map(of_class))
-    }
-}
-
-/// The name of the forest of a class in files of models.
-fn name_of(road_user: RoadUser) -> &'static str {
-    match road_user {
-        RoadUser::Vehicle => "vehicles",
-        RoadUser::Pedestrian => "pedestrians",
-        RoadUser::Cyclist => "cyclists",
     }
 }
 

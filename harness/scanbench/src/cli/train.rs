@@ -18,10 +18,14 @@ pub enum TrainCommand {
     #[command(after_help = GROUPINGS_EXAMPLES, after_long_help = with_details(GROUPINGS_EXAMPLES, GROUPINGS_DETAILS))]
     #[command(mut_arg("prototypes", |it| it.help(prototypes_help("those of the shipped model"))))]
     Groupings(Box<TreeTrainingArgs>),
-    /// Train the rivals over a kd-tree: kd-tree-trained, kd-tree-tree, and the vehicle model of clusters
+    /// Train the rivals over a kd-tree with trees of their own: kd-tree-trained, kd-tree-tree
     #[command(after_help = RIVALS_EXAMPLES, after_long_help = with_details(RIVALS_EXAMPLES, RIVALS_DETAILS))]
     #[command(mut_arg("prototypes", |it| it.help(prototypes_help("found in the scans"))))]
     Rivals(Box<TreeTrainingArgs>),
+    /// Train the model that classifies the clusters of kd-tree, of other detectors, and of yours
+    #[command(after_help = CLUSTERS_EXAMPLES, after_long_help = with_details(CLUSTERS_EXAMPLES, CLUSTERS_DETAILS))]
+    #[command(mut_arg("prototypes", |it| it.help(prototypes_help("found in the scans"))))]
+    Clusters(Box<TreeTrainingArgs>),
     /// Train the classifier of paper
     #[command(after_help = PAPER_EXAMPLES, after_long_help = with_details(PAPER_EXAMPLES, SVM_DETAILS))]
     #[command(mut_arg("nu", |it| it.help(nu_help("0.0377, as printed"))))]
@@ -85,11 +89,12 @@ pub struct TreeTrainingArgs {
     /// ends in them.
     #[arg(short = 'P', long = "param", value_name = "NAME=VALUE", help_heading = TRAINING)]
     pub parameters: Vec<OverrideOption>,
-    /// Take the log odds of vehicles of this model SLOPE times, and add OFFSET; may be repeated
+    /// Take the log odds of this class of a model SLOPE times, and add OFFSET; may be repeated
     ///
-    /// MODEL is the name in its file: groupings; clusters, kd-tree-trained or kd-tree-tree. On streets odds are right as they
-    /// are; on recorded scans, where more looks like a vehicle and is none, they are too high.
-    #[arg(long, value_name = "MODEL=SLOPE,OFFSET", help_heading = TRAINING, hide_short_help = true)]
+    /// MODEL is the name in its file: groupings; clusters, kd-tree-trained or kd-tree-tree. CLASS is vehicles, pedestrians or
+    /// cyclists. On streets odds are right as they are; on recorded scans, where more looks like a vehicle and is none, they
+    /// are too high.
+    #[arg(long, value_name = "MODEL.CLASS=SLOPE,OFFSET", help_heading = TRAINING, hide_short_help = true)]
     pub odds: Vec<ModelOdds>,
     /// What is judged by.
     #[command(flatten)]
@@ -196,15 +201,24 @@ the same bytes, except the date in the manifest.";
 const RIVALS_EXAMPLES: &str = "\
 Examples:
   scanbench train rivals training-streets --scans 0..300:6 --sensors vlp-16,os1-128 -o rivals
-  scanbench run -d kd-tree-trained,kd-tree -P vehicle_model.rivals_directory=rivals";
+  scanbench run -d kd-tree-trained,kd-tree-tree -P vehicle_model.rivals_directory=rivals";
 
 const RIVALS_DETAILS: &str = "\
 Trains as train groupings does, on the same values, but on components over a kd-tree.
 kd_tree_trained.model keeps or drops components at one tolerance, which is chosen for each
 sensor: of 0.3 to 1.2 m that at which most annotated objects are a component.
 kd_tree_tree.model takes the best cut of components within components, at all ten
-tolerances. clusters.model classifies the vehicles among the clusters of kd-tree,
-kd-tree-same-walls, simple-grid and detectors of your own. Writes manifest.json, too.";
+tolerances. Writes manifest.json, too.";
+
+const CLUSTERS_EXAMPLES: &str = "\
+Examples:
+  scanbench train clusters training-streets --scans 0..300:6 --sensors vlp-16,os1-128 -o model
+  scanbench run -d kd-tree -P vehicle_model.clusters_directory=model";
+
+const CLUSTERS_DETAILS: &str = "\
+Learns from the clusters of kd-tree. clusters.model finds the vehicles, pedestrians and
+cyclists among the clusters of kd-tree, kd-tree-same-walls, simple-grid and detectors of your
+own. Writes manifest.json, too.";
 
 const PAPER_EXAMPLES: &str = "\
 Examples:

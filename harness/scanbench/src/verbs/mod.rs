@@ -254,6 +254,7 @@ pub fn dispatch(cli: &Cli) -> Result<(), Failure> {
         Command::FitDensity(arguments) => fit_density::fit_density(arguments),
         Command::Train(TrainCommand::Groupings(arguments)) => train::groupings::train_groupings(arguments),
         Command::Train(TrainCommand::Rivals(arguments)) => train::rivals::train_rivals(arguments),
+        Command::Train(TrainCommand::Clusters(arguments)) => train::cluster_model::train_clusters(arguments),
         Command::Train(TrainCommand::Boxes(arguments)) => train::boxes::train_boxes(arguments),
         Command::Train(TrainCommand::Paper(arguments)) => train::svm::train_svm(arguments, ModelKind::Paper),
         Command::Train(TrainCommand::Pca(arguments)) => train::svm::train_svm(arguments, ModelKind::Pca),

@@ -87,13 +87,22 @@ fn rivals_are_trained_for_several_sensors_and_run() {
     let workplace = Workplace::new();
     workplace
         .succeed(&("train rivals", STREET, "-o model"))
-        .check_stdout(&["kd-tree-trained, at hdl-32e 0.", "vehicles among clusters"]);
-    for name in ["clusters.model", "kd_tree_trained.model", "kd_tree_tree.model"] {
+        .check_stdout(&["kd-tree-trained, at hdl-32e 0.", "kd-tree-tree"]);
+    for name in ["kd_tree_trained.model", "kd_tree_tree.model"] {
         let command = command_of(&workplace, &format!("model/{name}"));
         assert_eq!(command, format!("scanbench train rivals {STREET}"), "{name}");
     }
-    let detectors = ["kd-tree-trained", "kd-tree-tree", "kd-tree", "simple-grid"];
+    let detectors = ["kd-tree-trained", "kd-tree-tree"];
     check_outcomes(&workplace, &detectors, "-P vehicle_model.rivals_directory=model");
+}
+
+#[test]
+fn the_model_of_clusters_is_trained_for_all_detectors_that_share_it() {
+    let workplace = Workplace::new();
+    workplace
+        .succeed(&("train clusters", STREET, "-o model"))
+        .check_stdout(&["vehicles among clusters, trained on "]);
+    check_outcomes(&workplace, &["kd-tree", "simple-grid"], "-P vehicle_model.clusters_directory=model");
     let said = "kd-tree, simple-grid: trees trained on kd-tree components from \"model\".";
     workplace.check_file("trained/table_vehicles.md", &["Vehicles classified by: ", said]);
 }
@@ -124,7 +133,7 @@ fn a_model_that_no_chosen_detector_reads_is_refused_by_name() {
     let of_groupings = format!("vehicle_model.groupings_directory={shipped}");
     let switched_off = [of_groupings.as_str(), "-P", "vehicle_model.enabled=false"];
     for (options, reads) in [
-        (&["-d", "kd-tree", "-P", &of_groupings][..], "kd-tree reads vehicle_model.rivals_directory"),
+        (&["-d", "kd-tree", "-P", &of_groupings][..], "kd-tree reads vehicle_model.clusters_directory"),
         (&["-d", "kd-tree,pca", "-c", "mine.toml"], "pca reads vehicle_model.pca_directory"),
         (&[&["-d", "hierarchical", "-P"][..], &switched_off].concat(), "hierarchical reads no model"),
     ] {

@@ -22,6 +22,7 @@ pub(super) const VEHICLE_MODEL_TOML: &str = r#"
 enabled = true
 groupings_directory = ""
 rivals_directory = ""
+clusters_directory = ""
 paper_directory = ""
 paper_as_printed = false
 pca_directory = ""
@@ -37,6 +38,8 @@ struct VehicleModelTable {
     groupings_directory: String,
     /// Output folder of `train rivals`, likewise.
     rivals_directory: String,
+    /// Output folder of `train clusters`, likewise.
+    clusters_directory: String,
     /// Output folder of `train paper`, likewise.
     paper_directory: String,
     /// Whether the shipped classifier of the detector paper is the one with the printed ν and γ.
@@ -97,7 +100,8 @@ impl TrainedModel {
     pub fn parameter(self) -> &'static str {
         match self {
             Self::Groupings => "vehicle_model.groupings_directory",
-            Self::Components | Self::NestedComponents | Self::Clusters => "vehicle_model.rivals_directory",
+            Self::Components | Self::NestedComponents => "vehicle_model.rivals_directory",
+            Self::Clusters => "vehicle_model.clusters_directory",
             Self::Paper => "vehicle_model.paper_directory",
             Self::Pca => "vehicle_model.pca_directory",
             Self::Boxes => "vehicle_model.boxes_directory",
@@ -282,6 +286,7 @@ pub(super) fn vehicle_models_from(text: &str) -> Result<Option<VehicleModels>, V
     let groupings =
         ModelDirectory { parameter: "groupings_directory", directory: &table.groupings_directory };
     let rivals = ModelDirectory { parameter: "rivals_directory", directory: &table.rivals_directory };
+    let clusters = ModelDirectory { parameter: "clusters_directory", directory: &table.clusters_directory };
     let paper = ModelDirectory { parameter: "paper_directory", directory: &table.paper_directory };
     let pca = ModelDirectory { parameter: "pca_directory", directory: &table.pca_directory };
     let boxes = ModelDirectory { parameter: "boxes_directory", directory: &table.boxes_directory };
@@ -289,7 +294,7 @@ pub(super) fn vehicle_models_from(text: &str) -> Result<Option<VehicleModels>, V
         groupings: groupings.model(GROUPINGS_FILE, |it| GroupingModel::from_bytes(it).map(Arc::new))?,
         components: rivals.model(COMPONENTS_FILE, TrainedComponents::from_bytes)?,
         nested_components: rivals.model(NESTED_FILE, |it| tree_from_bytes(it).map(Arc::new))?,
-        clusters: rivals.model(CLUSTERS_FILE, VehicleModel::from_bytes)?,
+        clusters: clusters.model(CLUSTERS_FILE, VehicleModel::from_bytes)?,
         paper: paper_from(&paper, table.paper_as_printed)?,
         pca: pca.model(PCA_FILE, PcaVehicleModel::from_bytes)?,
         boxes: boxes.model(BOXES_FILE, BoxModels::from_bytes)?,

@@ -25,7 +25,7 @@ use crate::plumbing::run_directory::{claim_named, claim_unnamed};
 use crate::plumbing::standard_streams::{print_diagnostic, print_result_in};
 use crate::verbs::train::data::{TrainingData, nothing};
 use crate::verbs::train::files::manifest;
-use crate::verbs::train::groupings::{drives, in_plural};
+use crate::verbs::train::groupings::drives;
 
 /// Trains the model that makes boxes whole, judges it by drives it has not seen, and writes and prints the result.
 pub fn train_boxes(arguments: &BoxTrainingArgs) -> Result<(), Failure> {
@@ -95,7 +95,7 @@ pub fn train_boxes(arguments: &BoxTrainingArgs) -> Result<(), Failure> {
 fn text(road_user: RoadUser, [n_taught, n_judged]: [usize; 2], judgement: &BoxJudgement) -> String {
     let BoxJudgement { seen, whole, sure_fronts, right_boxes } = judgement;
     let mut lines = vec![
-        format!("Trained on {n_taught} {}; of {n_judged} held-out ones, in %:", in_plural(road_user)),
+        format!("Trained on {n_taught} {}; of {n_judged} held-out ones, in %:", road_user.in_plural()),
         format!("{:<24}{:>12}{:>12}", "", "as seen", "whole"),
     ];
     let mut line = |what: &str, seen: f64, whole: f64| {

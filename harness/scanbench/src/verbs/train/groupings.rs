@@ -107,8 +107,8 @@ pub fn check_odds(odds: &[ModelOdds], models: &[&str]) -> Result<(), Usage> {
         if !models.contains(&it.model.as_str()) {
             return Err(Usage(format!("--odds {it}: only {} is trained", models.join(", "))));
         }
-        if odds[..index].iter().any(|earlier| earlier.model == it.model) {
-            return Err(Usage(format!("--odds {it}: there are other odds for this model")));
+        if odds[..index].iter().any(|earlier| earlier.is_of_same(it)) {
+            return Err(Usage(format!("--odds {it}: there are other odds for this class of this model")));
         }
     }
     Ok(())
@@ -179,7 +179,7 @@ impl TrainedTrees {
         let progress = progress_over_results(N_GROUPING_FORESTS, 0, "forests");
         let mut model = train_on_groups(&taught, rounds, library, &|| progress.inc(1))
             .map_err(|error| nothing(&error))?;
-        model.road_users.vehicles = ModelOdds::applied(odds, name, model.road_users.vehicles);
+        model.road_users = ModelOdds::applied(odds, name, model.road_users);
         progress.finish_and_clear();
         let judgement = Judgement::of(&model, rounds, &judged);
         let n_taught = taught.iter().map(|it| it.n_labeled()).sum();
@@ -189,15 +189,6 @@ impl TrainedTrees {
     /// How they do, for people.
     pub fn text(&self) -> String {
         self.judgement.text(self.n_taught)
-    }
-}
-
-/// Several of a class, for people.
-pub fn in_plural(road_user: RoadUser) -> &'static str {
-    match road_user {
-        RoadUser::Vehicle => "vehicles",
-        RoadUser::Pedestrian => "pedestrians",
-        RoadUser::Cyclist => "cyclists",
     }
 }
 
@@ -274,7 +265,7 @@ impl Judgement {
             format!("{:<12}{:>10}{:>10}{:>24}", "", "groups", "ROC area", "precision-recall area"),
         ];
         let road_users =
-            self.road_users.iter().map(|(it, curves)| (in_plural(*it), curves.totals()[0], curves));
+            self.road_users.iter().map(|(it, curves)| (it.in_plural(), curves.totals()[0], curves));
         for (what, n, curves) in std::iter::once(("objects", *n_objects, &self.objects)).chain(road_users) {
             let areas = [curves.roc_area(), curves.precision_recall_area()].map(share);
             lines.push(format!("{what:<12}{n:>10}{:>10}{:>24}", areas[0], areas[1]));
