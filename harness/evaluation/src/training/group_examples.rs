@@ -11,8 +11,11 @@ use detector::pipeline::frame::Groups;
 use detector::pipeline::stage_list::Pipeline;
 use detector::road_user::{MayBe, N_ROAD_USERS, RoadUser};
 use detector::{Detector, DetectorOutput};
+use reports::vocabulary::task::Task;
 use scans::annotation::{LabeledScan, PointRegion};
 
+use crate::matching::criterion::Criterion;
+use crate::matching::eligibility::{EligibilityParams, exclusions};
 use crate::scan_pass::{ScanPass, ScanPassError};
 use crate::training::vehicle_labels::is_road_user;
 
@@ -32,6 +35,8 @@ pub struct ScanGroups {
     pub wholes: Vec<Option<u32>>,
     /// Groups of the nodes that the detector judges, ascending.
     pub groups: Vec<GroupExample>,
+    /// The greatest intersection over union of each annotated object that is to be found with any of its groups.
+    pub best_iou_of_objects: Vec<f32>,
 }
 
 /// A group of a tree, with its labels.
@@ -136,6 +141,7 @@ fn groups_of(scan: &LabeledScan, looker: &mut Looker) -> ScanGroups {
     let annotations_of_point = annotations_of_points(scan);
     let points_of_dense = points_of_dense_cells(grouped);
     let mut n_shared = vec![0_usize; scan.annotations.len()];
+    let mut best_iou = vec![0.0_f32; scan.annotations.len()];
     let mut groups = Vec::new();
     for node in grouped.describer.described() {
         let cells = tree.cells(&tree.nodes()[node.node_idx as usize]);
@@ -154,6 +160,9 @@ fn groups_of(scan: &LabeledScan, looker: &mut Looker) -> ScanGroups {
             let (n, n_shared) = (point_indices.len(), n_shared[annotation_idx]);
             n_shared as f32 / (n + scan.annotations[annotation_idx].point_indices.len() - n_shared) as f32
         };
+        for (best, annotation_idx) in best_iou.iter_mut().zip(0..) {
+            *best = best.max(iou(annotation_idx));
+        }
         let best = (0..n_shared.len()).max_by(|&a, &b| iou(a).total_cmp(&iou(b)).then(b.cmp(&a)));
         let shown = best.filter(|&it| iou(it) >= LEAST_IOU).map(|it| scan.annotations[it].class);
         let shows = RoadUser::ALL.map(|it| shown.map_or(Some(false), |class| is_road_user(class, it)));
@@ -177,7 +186,17 @@ fn groups_of(scan: &LabeledScan, looker: &mut Looker) -> ScanGroups {
     let mut upward = Vec::new();
     tree.upward(&mut upward);
     let wholes = tree.nodes().iter().map(|it| it.parent).collect();
-    ScanGroups { sequence: scan.id.sequence.clone(), weight: 1.0, upward, wholes, groups }
+    let params = EligibilityParams::STANDARD;
+    let excluded = exclusions(scan, Task::Objects, Criterion::Points { min_iou: f64::from(LEAST_IOU) }, &params);
+    let asked = best_iou.into_iter().zip(excluded).filter(|(_, excluded)| excluded.is_none());
+    ScanGroups {
+        sequence: scan.id.sequence.clone(),
+        weight: 1.0,
+        upward,
+        wholes,
+        groups,
+        best_iou_of_objects: asked.map(|it| it.0).collect(),
+    }
 }
 
 /// The annotations that each point of a scan lies on, ascending.

@@ -165,6 +165,7 @@ mod tests {
             upward: vec![],
             wholes: vec![],
             groups,
+            best_iou_of_objects: vec![],
         };
         // One object from the second level on, one up to the second, one only at the third; and a group that fits none.
         let far = scan(vec![

@@ -175,6 +175,7 @@ mod tests {
                 // Hopeless, so that only the first round learns from it.
                 group(3, 9.0, 0.0),
             ],
+            best_iou_of_objects: vec![],
         }
     }
 

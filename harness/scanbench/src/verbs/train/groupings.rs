@@ -196,6 +196,9 @@ impl TrainedTrees {
 pub struct Judgement {
     n: usize,
     n_objects: usize,
+    // Of the annotated objects, how many there are, and how many some group shows.
+    n_annotated: usize,
+    n_grouped: usize,
     objects: OperatingCurves,
     // Of each class of road users that was learned.
     road_users: Vec<(RoadUser, OperatingCurves)>,
@@ -225,9 +228,12 @@ impl Judgement {
                 }
             }
         }
+        let best_ious = || judged.iter().flat_map(|it| &it.best_iou_of_objects);
         let probability = |log_odds: f32| 1.0 / (1.0 + f64::from(-log_odds).exp());
         Self {
             n: expected_ious.len(),
+            n_annotated: best_ious().count(),
+            n_grouped: best_ious().filter(|it| **it >= LEAST_IOU).count(),
             n_objects: expected_ious.iter().filter(|it| it.1 >= LEAST_IOU).count(),
             objects: OperatingCurves::of(expected_ious.iter().map(|it| (it.0, it.1 >= LEAST_IOU))),
             road_users: RoadUser::ALL
@@ -255,9 +261,10 @@ impl Judgement {
 
     fn text(&self, n_taught: usize) -> String {
         let share = |area: Option<f64>| area.map_or_else(|| "undefined".to_owned(), |it| format!("{it:.4}"));
-        let Self { n, n_objects, .. } = self;
+        let Self { n, n_objects, n_annotated, n_grouped, .. } = self;
         let mut lines = vec![
             format!("Trained on {n_taught} groups"),
+            format!("Of {n_annotated} held-out annotated objects {n_grouped} are a group, and can be found"),
             String::new(),
             format!(
                 "On {n} held-out groups; road users among those with an expected IoU of {LEAST_IOU_OF_ROAD_USERS} and more:"
