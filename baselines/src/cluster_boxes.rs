@@ -3,7 +3,7 @@
 use detector::detector::{DetectorOutput, DropReason, DroppedCluster};
 use detector::drawn::fitted_boxes::fitted_boxes;
 use detector::drawn::point_clusters::point_clusters;
-use detector::pipeline::frame::Frame;
+use detector::pipeline::frame::{Frame, PointClusters};
 use detector::pipeline::stage_list::Stage;
 use detector::{OrientedBox, PointCloud, StageProduct};
 
@@ -37,10 +37,10 @@ impl<F> ClusterBoxes<F> {
     }
 }
 
-impl<F: ClusterFit> Stage for ClusterBoxes<F> {
-    fn run(&mut self, cloud: &PointCloud, frame: &mut Frame, output: &mut DetectorOutput) {
+impl<F: ClusterFit> Stage<PointClusters> for ClusterBoxes<F> {
+    fn run(&mut self, cloud: &PointCloud, frame: &mut Frame<PointClusters>, output: &mut DetectorOutput) {
         let Self { fit, kept, dropped, positions_m } = self;
-        let Frame { foreground, clusters, fitted, .. } = frame;
+        let Frame { clustering: PointClusters { foreground, clusters }, fitted, .. } = frame;
         kept.clear();
         dropped.clear();
         fitted.clear();
@@ -62,10 +62,11 @@ impl<F: ClusterFit> Stage for ClusterBoxes<F> {
         }
     }
 
-    fn products(&self, cloud: &PointCloud, frame: &Frame) -> Vec<StageProduct> {
-        let point_indices = frame.foreground.point_indices();
-        let product = |name, clusters: &[usize]| {
-            let members = clusters.iter().map(|&cluster_idx| frame.clusters.members(cluster_idx));
+    fn products(&self, cloud: &PointCloud, frame: &Frame<PointClusters>) -> Vec<StageProduct> {
+        let PointClusters { foreground, clusters } = &frame.clustering;
+        let point_indices = foreground.point_indices();
+        let product = |name, asked: &[usize]| {
+            let members = asked.iter().map(|&cluster_idx| clusters.members(cluster_idx));
             let points = members.map(|it| it.iter().map(|&index| point_indices[index as usize]));
             StageProduct { stage: COMPONENTS, name, shape: point_clusters(cloud.len(), points) }
         };

@@ -6,7 +6,7 @@ use detector::detector::{DetectorOutput, DropReason};
 use detector::fit::convex_hull_box::ConvexHullBox;
 use detector::params::HierarchicalParams;
 use detector::pipeline::foreground_stages::{fill_grid, foreground_stages, ground};
-use detector::pipeline::frame::Frame;
+use detector::pipeline::frame::{Frame, PointClusters};
 use detector::pipeline::object_stages::{ObjectModels, least_points, object_stages};
 use detector::pipeline::stage_list::{Pipeline, Stage, Stages};
 use detector::stage_product::Shape;
@@ -30,7 +30,7 @@ pub fn kd_tree(
     shared: &HierarchicalParams,
     models: ObjectModels,
     sensor_height_m: f32,
-) -> Pipeline {
+) -> Pipeline<PointClusters> {
     let mut shared = shared.clone();
     shared.walls.enabled &= params.foreground == ForegroundChoice::Refined;
     // The grid does not hold the whole scan, so that clusters cannot be completed from it.
@@ -49,7 +49,8 @@ pub fn kd_tree(
         .then(COMPONENTS, components(params.tolerance_m))
         .then(stage::BOXES, ClusterBoxes::new(HullFit { n_points, box_fit: ConvexHullBox::default() }))
         .and(object_stages(&shared, models));
-    Pipeline { name: "kd-tree", frame: Frame::new(&shared, sensor_height_m), stages }
+    let frame = Frame::new(PointClusters::new(&shared), &shared, sensor_height_m);
+    Pipeline { name: "kd-tree", frame, stages }
 }
 
 /// The detector `kd-tree-same-walls`: like for like with the hierarchical one, it looks for walls before it clusters,
@@ -59,7 +60,7 @@ pub fn kd_tree_same_walls(
     shared: &HierarchicalParams,
     models: ObjectModels,
     sensor_height_m: f32,
-) -> Pipeline {
+) -> Pipeline<PointClusters> {
     let params = KdTreeParams { foreground: ForegroundChoice::Refined, ..params.clone() };
     Pipeline { name: "kd-tree-same-walls", ..kd_tree(&params, shared, models, sensor_height_m) }
 }
@@ -70,22 +71,22 @@ struct StandingPoints {
     point_indices: Vec<u32>,
 }
 
-impl Stage for StandingPoints {
-    fn run(&mut self, cloud: &PointCloud, frame: &mut Frame, _: &mut DetectorOutput) {
-        let Frame { grid, terrain, classes, foreground, .. } = frame;
+impl Stage<PointClusters> for StandingPoints {
+    fn run(&mut self, cloud: &PointCloud, frame: &mut Frame<PointClusters>, _: &mut DetectorOutput) {
+        let Frame { grid, terrain, classes, foreground_params, clustering, .. } = frame;
         let stands = |&(cell_idx, z_m): &(u32, f32)| {
             let class = classes.get(cell_idx as usize);
             matches!(class, Some(SurfaceClass::Short | SurfaceClass::Tall))
-                && z_m > foreground.params().ground_top_m(grid, terrain, cell_idx)
+                && z_m > foreground_params.ground_top_m(grid, terrain, cell_idx)
         };
         let points = grid.cell_of_point().iter().copied().zip(cloud.z_m().iter().copied());
         let standing = (0..).zip(points).filter(|(_, point)| stands(point)).map(|(point_idx, _)| point_idx);
         self.point_indices.clear();
         self.point_indices.extend(standing);
-        foreground.set_points(self.point_indices.iter().copied());
+        clustering.foreground.set_points(self.point_indices.iter().copied());
     }
 
-    fn products(&self, _: &PointCloud, frame: &Frame) -> Vec<StageProduct> {
+    fn products(&self, _: &PointCloud, frame: &Frame<PointClusters>) -> Vec<StageProduct> {
         let shape = Shape::LabeledPoints(frame.point_classes());
         vec![StageProduct { stage: stage::FOREGROUND, name: "points", shape }]
     }
@@ -94,16 +95,16 @@ impl Stage for StandingPoints {
 /// Takes all points with finite coordinates.
 struct FinitePoints;
 
-impl Stage for FinitePoints {
-    fn run(&mut self, cloud: &PointCloud, frame: &mut Frame, _: &mut DetectorOutput) {
+impl Stage<PointClusters> for FinitePoints {
+    fn run(&mut self, cloud: &PointCloud, frame: &mut Frame<PointClusters>, _: &mut DetectorOutput) {
         let positions_m = (0..).zip(cloud.positions_m());
         let finite = positions_m.filter(|(_, position_m)| position_m.iter().all(|it| it.is_finite()));
-        frame.foreground.set_points(finite.map(|(point_idx, _)| point_idx));
+        frame.clustering.foreground.set_points(finite.map(|(point_idx, _)| point_idx));
     }
 
-    fn products(&self, cloud: &PointCloud, frame: &Frame) -> Vec<StageProduct> {
+    fn products(&self, cloud: &PointCloud, frame: &Frame<PointClusters>) -> Vec<StageProduct> {
         let mut classes = vec![SurfaceClass::Unseen; cloud.len()];
-        for &point_idx in frame.foreground.point_indices() {
+        for &point_idx in frame.clustering.foreground.point_indices() {
             classes[point_idx as usize] = SurfaceClass::Short;
         }
         vec![StageProduct { stage: stage::FOREGROUND, name: "points", shape: Shape::LabeledPoints(classes) }]
@@ -111,14 +112,14 @@ impl Stage for FinitePoints {
 }
 
 /// Clusters the foreground.
-fn components(tolerance_m: f32) -> impl Stage {
+fn components(tolerance_m: f32) -> impl Stage<PointClusters> {
     let (mut positions_m, mut labels, mut scratch) = (Vec::new(), Vec::new(), KdTreeScratch::default());
-    move |cloud: &PointCloud, frame: &mut Frame, _: &mut DetectorOutput| {
-        let point_indices = frame.foreground.point_indices().iter();
+    move |cloud: &PointCloud, frame: &mut Frame<PointClusters>, _: &mut DetectorOutput| {
+        let point_indices = frame.clustering.foreground.point_indices().iter();
         positions_m.clear();
         positions_m.extend(point_indices.map(|&point_idx| cloud.position_m(point_idx as usize)));
         kd_tree_components(&positions_m, tolerance_m, &mut scratch, &mut labels);
-        frame.clusters.group(labels.iter().copied(), labels.len());
+        frame.clustering.clusters.group(labels.iter().copied(), labels.len());
     }
 }
 

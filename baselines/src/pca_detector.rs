@@ -8,7 +8,7 @@ use detector::fit::principal_axes_box::principal_axes_box;
 use detector::grid::hierarchical_grid::GridParams;
 use detector::params::HierarchicalParams;
 use detector::pipeline::foreground_stages::fill_grid;
-use detector::pipeline::frame::Frame;
+use detector::pipeline::frame::{Frame, PointClusters};
 use detector::pipeline::object_stages::classification;
 use detector::pipeline::stage_list::{Pipeline, Stage, Stages};
 use detector::road_user::RoadUserOdds;
@@ -35,7 +35,7 @@ pub fn pca(
     shared: &HierarchicalParams,
     model: Option<PcaVehicleModel>,
     sensor_height_m: f32,
-) -> Pipeline {
+) -> Pipeline<PointClusters> {
     let mut shared = shared.clone();
     // Only the coarse level of the grid is used.
     shared.grid = GridParams { cell_size_m: params.grid.cell_size_m, xi: 1, extent_m: params.grid.extent_m };
@@ -59,20 +59,21 @@ pub fn pca(
         }
     };
     stages = stages.then(stage::CLASSIFICATION, classification(sizes, least_points, decide));
-    Pipeline { name: "pca", frame: Frame::new(&shared, sensor_height_m), stages }
+    let frame = Frame::new(PointClusters::new(&shared), &shared, sensor_height_m);
+    Pipeline { name: "pca", frame, stages }
 }
 
 /// Finds the occupied cells.
 struct OccupiedCells(OccupancyParams);
 
-impl Stage for OccupiedCells {
-    fn run(&mut self, _: &PointCloud, frame: &mut Frame, _: &mut DetectorOutput) {
-        frame.foreground.set_cells(occupied_cells(&frame.grid, &self.0));
+impl Stage<PointClusters> for OccupiedCells {
+    fn run(&mut self, _: &PointCloud, frame: &mut Frame<PointClusters>, _: &mut DetectorOutput) {
+        frame.clustering.foreground.set_cells(occupied_cells(&frame.grid, &self.0));
     }
 
-    fn products(&self, _: &PointCloud, frame: &Frame) -> Vec<StageProduct> {
+    fn products(&self, _: &PointCloud, frame: &Frame<PointClusters>) -> Vec<StageProduct> {
         // Occupied cells are drawn like short objects, since this grid knows no other class.
-        let class_of = |cell_idx| match frame.foreground.cells().binary_search(&cell_idx) {
+        let class_of = |cell_idx| match frame.clustering.foreground.cells().binary_search(&cell_idx) {
             Ok(_) => SurfaceClass::Short,
             Err(_) => SurfaceClass::Ground,
         };
@@ -85,19 +86,20 @@ impl Stage for OccupiedCells {
 }
 
 /// Connects these cells, and gathers the points over them.
-fn components() -> impl Stage {
+fn components() -> impl Stage<PointClusters> {
     let mut components = OccupancyGridComponents::default();
-    move |_: &PointCloud, frame: &mut Frame, _: &mut DetectorOutput| {
-        components.connect(&frame.grid, frame.foreground.cells());
-        frame.foreground.set_points(components.point_indices().iter().copied());
+    move |_: &PointCloud, frame: &mut Frame<PointClusters>, _: &mut DetectorOutput| {
+        let Frame { grid, clustering: PointClusters { foreground, clusters }, .. } = frame;
+        components.connect(grid, foreground.cells());
+        foreground.set_points(components.point_indices().iter().copied());
         let labels = components.component_of_point().iter().copied();
-        frame.clusters.group(labels, frame.foreground.cells().len());
+        clusters.group(labels, foreground.cells().len());
     }
 }
 
 /// Computes the values that `model` looks at.
-fn features(mut model: PcaVehicleModel) -> impl Stage {
-    move |_: &PointCloud, frame: &mut Frame, _: &mut DetectorOutput| {
+fn features(mut model: PcaVehicleModel) -> impl Stage<PointClusters> {
+    move |_: &PointCloud, frame: &mut Frame<PointClusters>, _: &mut DetectorOutput| {
         frame
             .fitted
             .describe(|object, positions_m| model.values(&object.bounding_box, positions_m.iter().copied()));

@@ -13,7 +13,7 @@ use detector::detector::{DetectorOutput, DropReason, DroppedCluster};
 use detector::group::grouping_tree::Node;
 use detector::params::HierarchicalParams;
 use detector::params::paper::PaperParams;
-use detector::pipeline::frame::Groups;
+use detector::pipeline::frame::{Blobs, Groups, PointClusters};
 use detector::pipeline::object_stages::ObjectModels;
 use detector::pipeline::paper_detector::paper;
 use detector::pipeline::stage_list::Pipeline;
@@ -23,7 +23,7 @@ use detector::{DetectedClass, Detector, OrientedBox, PointCloud};
 
 const SENSOR_HEIGHT_M: f32 = 1.73;
 
-fn kd_tree_over(foreground: ForegroundChoice, model: Option<VehicleModel>) -> Pipeline {
+fn kd_tree_over(foreground: ForegroundChoice, model: Option<VehicleModel>) -> Pipeline<PointClusters> {
     let mut params = BaselineParams::shipped().kd_tree;
     params.foreground = foreground;
     kd_tree(&params, &shared(), ObjectModels { vehicles: model, boxes: None }, SENSOR_HEIGHT_M)
@@ -36,25 +36,25 @@ fn shared() -> HierarchicalParams {
     shared
 }
 
-fn pca_by(model: Option<PcaVehicleModel>) -> Pipeline {
+fn pca_by(model: Option<PcaVehicleModel>) -> Pipeline<PointClusters> {
     pca(&BaselineParams::shipped().pca, &shared(), model, SENSOR_HEIGHT_M)
 }
 
-fn simple_grid_by(model: Option<VehicleModel>) -> Pipeline {
+fn simple_grid_by(model: Option<VehicleModel>) -> Pipeline<Blobs> {
     simple_grid(&shared(), ObjectModels { vehicles: model, boxes: None }, SENSOR_HEIGHT_M)
 }
 
-fn every_detector() -> [Pipeline; 5] {
+fn every_detector() -> [Box<dyn Detector>; 5] {
     [
-        kd_tree_over(ForegroundChoice::Short, None),
-        kd_tree_over(ForegroundChoice::Standing, None),
-        kd_tree_over(ForegroundChoice::All, None),
-        pca_by(None),
-        simple_grid_by(None),
+        Box::new(kd_tree_over(ForegroundChoice::Short, None)),
+        Box::new(kd_tree_over(ForegroundChoice::Standing, None)),
+        Box::new(kd_tree_over(ForegroundChoice::All, None)),
+        Box::new(pca_by(None)),
+        Box::new(simple_grid_by(None)),
     ]
 }
 
-fn detected(detector: &mut Pipeline, cloud: &PointCloud) -> DetectorOutput {
+fn detected(detector: &mut dyn Detector, cloud: &PointCloud) -> DetectorOutput {
     let mut output = DetectorOutput::default();
     detector.detect(cloud, &mut output);
     output
@@ -115,7 +115,7 @@ fn nothing_is_found_where_there_is_nothing() {
     for mut detector in every_detector() {
         for positions_m in [&[][..], &[[5.0, 1.0, -1.0]], &not_finite] {
             let cloud = positions_m.iter().copied().collect();
-            let found = detected(&mut detector, &cloud);
+            let found = detected(detector.as_mut(), &cloud);
             assert!(found.detections.is_empty(), "{}", detector.name());
             for product in detector.stage_products(&cloud) {
                 if let Shape::Clusters(cluster_of_point) = product.shape {
@@ -139,9 +139,9 @@ fn two_cars_on_a_road_are_two_vehicles() {
     let cars = [([8.0, 3.0], 0.3), ([-9.0, -4.0], -1.2)];
     let points = [road(), car(cars[0].0, cars[0].1), car(cars[1].0, cars[1].1)].concat();
     let cloud = points.into_iter().collect();
-    for mut detector in [kd_tree_over(ForegroundChoice::Short, None), pca_by(None), simple_grid_by(None)] {
-        check_found(&detected(&mut detector, &cloud), &cars);
-    }
+    check_found(&detected(&mut kd_tree_over(ForegroundChoice::Short, None), &cloud), &cars);
+    check_found(&detected(&mut pca_by(None), &cloud), &cars);
+    check_found(&detected(&mut simple_grid_by(None), &cloud), &cars);
 }
 
 /// Two cars side by side whose nearest sides are 40 cm apart, less than a coarse cell and two dense ones.
@@ -258,7 +258,7 @@ fn every_point_of_a_detection_is_its_own_and_drawn_with_its_cluster() {
     let points = [road(), car([8.0, 3.0], 0.3), car([-9.0, -4.0], -1.2)].concat();
     let cloud: PointCloud = points.into_iter().collect();
     for mut detector in every_detector() {
-        let found = detected(&mut detector, &cloud);
+        let found = detected(detector.as_mut(), &cloud);
         let products = detector.stage_products(&cloud);
         let clusters = products.iter().find(|product| product.name == "clusters").unwrap();
         let mut expected = vec![None; cloud.len()];
@@ -275,13 +275,13 @@ fn every_point_of_a_detection_is_its_own_and_drawn_with_its_cluster() {
 #[test]
 fn products_have_names_of_their_own_and_stages_that_were_timed() {
     let cloud: PointCloud = [road(), car([8.0, 3.0], 0.3)].concat().into_iter().collect();
-    let with_models = [
-        kd_tree_over(ForegroundChoice::Short, Some(VehicleModel::shipped())),
-        pca_by(Some(PcaVehicleModel::shipped())),
-        simple_grid_by(Some(VehicleModel::shipped())),
+    let with_models: [Box<dyn Detector>; 3] = [
+        Box::new(kd_tree_over(ForegroundChoice::Short, Some(VehicleModel::shipped()))),
+        Box::new(pca_by(Some(PcaVehicleModel::shipped()))),
+        Box::new(simple_grid_by(Some(VehicleModel::shipped()))),
     ];
     for mut detector in every_detector().into_iter().chain(with_models) {
-        let found = detected(&mut detector, &cloud);
+        let found = detected(detector.as_mut(), &cloud);
         let products = detector.stage_products(&cloud);
         let mut names: Vec<&str> = products.iter().map(|product| product.name).collect();
         names.sort_unstable();
@@ -305,8 +305,8 @@ fn a_scan_gives_the_same_whatever_came_before() {
     for (index, mut detector) in fresh.into_iter().enumerate() {
         for scan in &scans {
             let cloud = scan.iter().copied().collect();
-            let mut again = detected(&mut detector, &cloud);
-            let mut first = detected(&mut every_detector()[index], &cloud);
+            let mut again = detected(detector.as_mut(), &cloud);
+            let mut first = detected(every_detector()[index].as_mut(), &cloud);
             (again.stage_times, first.stage_times) = (Vec::new(), Vec::new());
             assert_eq!(again, first, "{}", detector.name());
         }
@@ -314,8 +314,8 @@ fn a_scan_gives_the_same_whatever_came_before() {
 }
 
 /// The points of each of these groups of the latest scan, all in order.
-fn points_of_groups(grouping: &Pipeline, is_asked: impl Fn(&Node) -> bool) -> Vec<Vec<u32>> {
-    let Groups { tree, dense, candidates, .. } = &grouping.frame.groups;
+fn points_of_groups(grouping: &Pipeline<Groups>, is_asked: impl Fn(&Node) -> bool) -> Vec<Vec<u32>> {
+    let Groups { tree, dense, candidates, .. } = &grouping.frame.clustering;
     let points_of = |node: &Node| -> Vec<u32> {
         let cells = tree.cells(node);
         let points = candidates.point_indices().iter().zip(dense.dense_of_point());

@@ -6,7 +6,7 @@ use crate::drawn::fitted_boxes::fitted_boxes;
 use crate::drawn::point_clusters::point_clusters;
 use crate::fit::convex_hull_box::ConvexHullBox;
 use crate::fit::outline::Outline;
-use crate::pipeline::frame::Frame;
+use crate::pipeline::frame::{Blobs, Frame};
 use crate::pipeline::stage_list::Stage;
 use crate::point_cloud::PointCloud;
 use crate::segment::connected_components::{ConnectedComponentsParams, connected_components};
@@ -17,34 +17,36 @@ use crate::stage_product::{Shape, StageProduct};
 /// Sorts the foreground into dense cells.
 ///
 /// Paper: HG section 3.
-pub fn fill_dense_level(_: &PointCloud, frame: &mut Frame, _: &mut DetectorOutput) {
-    let Frame { grid, foreground, dense, .. } = frame;
+pub fn fill_dense_level(_: &PointCloud, frame: &mut Frame<Blobs>, _: &mut DetectorOutput) {
+    let Frame { grid, clustering: Blobs { foreground, dense, .. }, .. } = frame;
     dense.fill(grid, foreground.cells(), foreground.point_indices());
 }
 
 /// Links coarse cells that belong together.
 ///
 /// Paper: HG section 3.2, merging indicator ψ.
-pub fn merge(params: ConnectedComponentsParams) -> impl Stage {
-    move |_: &PointCloud, frame: &mut Frame, _: &mut DetectorOutput| {
-        connected_components(&frame.grid, &frame.dense, &params, &mut frame.links);
+pub fn merge(params: ConnectedComponentsParams) -> impl Stage<Blobs> {
+    move |_: &PointCloud, frame: &mut Frame<Blobs>, _: &mut DetectorOutput| {
+        let Frame { grid, clustering: Blobs { dense, links, .. }, .. } = frame;
+        connected_components(grid, dense, &params, links);
     }
 }
 
 /// Cuts links along gaps between dense cells, and gathers the points of the objects that remain.
 ///
 /// Paper: HG section 3.2, third step, and section 4.
-impl Stage for DenseSeparation {
-    fn run(&mut self, cloud: &PointCloud, frame: &mut Frame, _: &mut DetectorOutput) {
-        let Frame { grid, foreground, dense, links, object_of_dense, object_points, .. } = frame;
+impl Stage<Blobs> for DenseSeparation {
+    fn run(&mut self, cloud: &PointCloud, frame: &mut Frame<Blobs>, _: &mut DetectorOutput) {
+        let Frame { grid, clustering, .. } = frame;
+        let Blobs { foreground, dense, links, object_of_dense, object_points } = clustering;
         self.separate(grid, dense, links);
         object_of_dense.clear();
         object_of_dense.extend_from_slice(self.object_of_dense());
         object_points.fill(cloud, foreground.point_indices(), dense, object_of_dense, self.n_parts());
     }
 
-    fn products(&self, cloud: &PointCloud, frame: &Frame) -> Vec<StageProduct> {
-        let Frame { grid, dense, object_points, .. } = frame;
+    fn products(&self, cloud: &PointCloud, frame: &Frame<Blobs>) -> Vec<StageProduct> {
+        let Frame { grid, clustering: Blobs { dense, object_points, .. }, .. } = frame;
         let product = |name, shape| StageProduct { stage: stage::SEPARATION, name, shape };
         vec![
             linked_blocks(frame, self.cut_links()),
@@ -56,14 +58,14 @@ impl Stage for DenseSeparation {
 }
 
 /// The coarse cells that merging linked; `cut_links` are the links that were cut.
-pub fn linked_blocks(frame: &Frame, cut_links: &[[u32; 2]]) -> StageProduct {
-    let shape = merge_graph(&frame.grid, &frame.dense, &frame.links, cut_links);
+pub fn linked_blocks(frame: &Frame<Blobs>, cut_links: &[[u32; 2]]) -> StageProduct {
+    let shape = merge_graph(&frame.grid, &frame.clustering.dense, &frame.clustering.links, cut_links);
     StageProduct { stage: stage::MERGE, name: "links", shape }
 }
 
 /// The object of every point of `cloud`, the latest scan.
-pub fn object_clusters(cloud: &PointCloud, frame: &Frame) -> Shape {
-    let points = &frame.object_points;
+pub fn object_clusters(cloud: &PointCloud, frame: &Frame<Blobs>) -> Shape {
+    let points = &frame.clustering.object_points;
     let points_of = |object_idx| points.point_indices(object_idx).iter().copied();
     point_clusters(cloud.len(), (0..points.n_objects()).map(points_of))
 }
@@ -84,9 +86,10 @@ impl OutlineBoxes {
     }
 }
 
-impl Stage for OutlineBoxes {
-    fn run(&mut self, _: &PointCloud, frame: &mut Frame, output: &mut DetectorOutput) {
-        let Frame { grid, dense, object_of_dense, object_points, fitted, .. } = frame;
+impl Stage<Blobs> for OutlineBoxes {
+    fn run(&mut self, _: &PointCloud, frame: &mut Frame<Blobs>, output: &mut DetectorOutput) {
+        let Frame { grid, clustering, fitted, .. } = frame;
+        let Blobs { dense, object_of_dense, object_points, .. } = clustering;
         self.outline.mark(grid, dense, object_of_dense);
         fitted.clear();
         for object_idx in 0..object_points.n_objects() {
@@ -106,7 +109,7 @@ impl Stage for OutlineBoxes {
         }
     }
 
-    fn products(&self, _: &PointCloud, frame: &Frame) -> Vec<StageProduct> {
+    fn products(&self, _: &PointCloud, frame: &Frame<Blobs>) -> Vec<StageProduct> {
         fitted_boxes(&frame.fitted)
     }
 }

@@ -9,6 +9,7 @@ use crate::pipeline::frame::Frame;
 use crate::pipeline::stage_list::{Pipeline, Stage, Stages};
 use crate::point_cloud::PointCloud;
 use crate::rule::Rule;
+use crate::segment::foreground::Foreground;
 use crate::segment::ground_segmentation::GroundSegmentation;
 use crate::stage;
 use crate::stage_product::{Shape, StageProduct};
@@ -16,7 +17,9 @@ use crate::stage_product::{Shape, StageProduct};
 /// Grid, cell classes, walls and foreground. Detectors that cluster differently start from the same foreground.
 ///
 /// Paper: HG section 3.1, and the first paragraph of section 3.2.
-pub fn foreground_stages(params: &HierarchicalParams) -> Stages {
+pub fn foreground_stages<C: AsRef<Foreground> + AsMut<Foreground> + 'static>(
+    params: &HierarchicalParams,
+) -> Stages<C> {
     Stages::default()
         .then(stage::GRID, fill_grid)
         .then(stage::GROUND, ground(params))
@@ -26,13 +29,13 @@ pub fn foreground_stages(params: &HierarchicalParams) -> Stages {
 
 /// These stages alone, for a sensor `sensor_height_m` above the road: their results are in the frame, and there are no
 /// detections.
-pub fn foreground(params: &HierarchicalParams, sensor_height_m: f32) -> Pipeline {
-    let frame = Frame::new(params, sensor_height_m);
+pub fn foreground(params: &HierarchicalParams, sensor_height_m: f32) -> Pipeline<Foreground> {
+    let frame = Frame::new(Foreground::new(params.foreground.clone()), params, sensor_height_m);
     Pipeline { name: "foreground", frame, stages: foreground_stages(params) }
 }
 
 /// Sorts the points into cells.
-pub fn fill_grid(cloud: &PointCloud, frame: &mut Frame, _: &mut DetectorOutput) {
+pub fn fill_grid<C>(cloud: &PointCloud, frame: &mut Frame<C>, _: &mut DetectorOutput) {
     frame.grid.fill(cloud);
 }
 
@@ -42,8 +45,8 @@ pub fn ground(params: &HierarchicalParams) -> GroundSegmentation {
     GroundSegmentation::new(params.ground.clone(), &params.grid, &weighting)
 }
 
-impl Stage for GroundSegmentation {
-    fn run(&mut self, _: &PointCloud, frame: &mut Frame, _: &mut DetectorOutput) {
+impl<C> Stage<C> for GroundSegmentation {
+    fn run(&mut self, _: &PointCloud, frame: &mut Frame<C>, _: &mut DetectorOutput) {
         let Frame { grid, terrain, classes, .. } = frame;
         terrain.estimate(grid);
         self.segment(grid, terrain, classes);
@@ -53,23 +56,23 @@ impl Stage for GroundSegmentation {
 /// Takes walls out of the short cells.
 struct Walls;
 
-impl Stage for Walls {
-    fn run(&mut self, _: &PointCloud, frame: &mut Frame, _: &mut DetectorOutput) {
+impl<C> Stage<C> for Walls {
+    fn run(&mut self, _: &PointCloud, frame: &mut Frame<C>, _: &mut DetectorOutput) {
         // After the ground: a wall is one only if no ground is seen behind it.
         frame.walls.refine(&frame.grid, &frame.terrain, &mut frame.classes);
     }
 
-    fn products(&self, _: &PointCloud, frame: &Frame) -> Vec<StageProduct> {
+    fn products(&self, _: &PointCloud, frame: &Frame<C>) -> Vec<StageProduct> {
         cells_and_walls(frame)
     }
 
-    fn rules(&self, frame: &Frame) -> Vec<Rule> {
+    fn rules(&self, frame: &Frame<C>) -> Vec<Rule> {
         if frame.walls.params().enabled { vec![Rule::Walls] } else { Vec::new() }
     }
 }
 
 /// The cells with their classes, and the walls.
-pub fn cells_and_walls(frame: &Frame) -> Vec<StageProduct> {
+pub fn cells_and_walls<C>(frame: &Frame<C>) -> Vec<StageProduct> {
     let Frame { grid, terrain, walls, .. } = frame;
     let classes = frame.cell_classes();
     let cells = surface_cells(grid, |cell_idx| classes[cell_idx as usize]);
@@ -83,12 +86,13 @@ pub fn cells_and_walls(frame: &Frame) -> Vec<StageProduct> {
 /// Gathers the points of short cells.
 struct ForegroundPoints;
 
-impl Stage for ForegroundPoints {
-    fn run(&mut self, cloud: &PointCloud, frame: &mut Frame, _: &mut DetectorOutput) {
-        frame.foreground.extract(cloud, &frame.grid, &frame.classes, &frame.terrain);
+impl<C: AsRef<Foreground> + AsMut<Foreground>> Stage<C> for ForegroundPoints {
+    fn run(&mut self, cloud: &PointCloud, frame: &mut Frame<C>, _: &mut DetectorOutput) {
+        let Frame { grid, terrain, classes, clustering, .. } = frame;
+        clustering.as_mut().extract(cloud, grid, classes, terrain);
     }
 
-    fn products(&self, _: &PointCloud, frame: &Frame) -> Vec<StageProduct> {
+    fn products(&self, _: &PointCloud, frame: &Frame<C>) -> Vec<StageProduct> {
         let shape = Shape::LabeledPoints(frame.point_classes());
         vec![StageProduct { stage: stage::FOREGROUND, name: "points", shape }]
     }

@@ -17,17 +17,18 @@ use crate::params::HierarchicalParams;
 use crate::point_cloud::PointCloud;
 use crate::segment::clusters::Clusters;
 use crate::segment::dense_level::DenseLevel;
-use crate::segment::foreground::Foreground;
+use crate::segment::foreground::{Foreground, ForegroundParams};
 use crate::segment::ground_points::ground_points;
 use crate::segment::object_points::ObjectPoints;
 use crate::segment::terrain::Terrain;
 use crate::segment::wall_refinement::WallRefinement;
 use crate::surface_class::SurfaceClass;
 
-/// The results of stages on one scan after another, in the order in which they are found, in reusable buffers.
+/// The results of stages on one scan after another, in the order in which they are found, in reusable buffers. `C` is what a
+/// kind of detector finds between the ground and objects.
 ///
 /// Results that a detector has no stage for stay as they were made.
-pub struct Frame {
+pub struct Frame<C> {
     /// The points in cells.
     pub grid: HierarchicalGrid,
     /// The ground below them.
@@ -36,6 +37,16 @@ pub struct Frame {
     pub classes: Vec<SurfaceClass>,
     /// The walls.
     pub walls: WallRefinement,
+    /// How the points over the ground are told from it.
+    pub foreground_params: ForegroundParams,
+    /// The points that may belong to objects, and how they belong together.
+    pub clustering: C,
+    /// Objects with their boxes, the values that models look at, and the decisions of models.
+    pub fitted: FittedObjects,
+}
+
+/// Objects made of cells, of the foreground.
+pub struct Blobs {
     /// The points that may belong to objects.
     pub foreground: Foreground,
     /// The dense cells below them.
@@ -46,12 +57,71 @@ pub struct Frame {
     pub object_of_dense: Vec<u32>,
     /// The points of these objects.
     pub object_points: ObjectPoints,
+}
+
+impl Blobs {
+    /// None yet.
+    pub fn new(params: &HierarchicalParams) -> Self {
+        Self {
+            foreground: Foreground::new(params.foreground.clone()),
+            dense: DenseLevel::default(),
+            links: Vec::new(),
+            object_of_dense: Vec::new(),
+            object_points: ObjectPoints::default(),
+        }
+    }
+}
+
+/// Objects made of points, of the foreground.
+pub struct PointClusters {
+    /// The points that may belong to objects.
+    pub foreground: Foreground,
     /// The indices of foreground points in their list, cluster by cluster.
     pub clusters: Clusters,
-    /// Groups within groups, of which some are objects.
-    pub groups: Groups,
-    /// Objects with their boxes, the values that models look at, and the decisions of models.
-    pub fitted: FittedObjects,
+}
+
+impl PointClusters {
+    /// None yet.
+    pub fn new(params: &HierarchicalParams) -> Self {
+        Self { foreground: Foreground::new(params.foreground.clone()), clusters: Clusters::default() }
+    }
+}
+
+impl AsRef<Foreground> for Blobs {
+    fn as_ref(&self) -> &Foreground {
+        &self.foreground
+    }
+}
+
+impl AsMut<Foreground> for Blobs {
+    fn as_mut(&mut self) -> &mut Foreground {
+        &mut self.foreground
+    }
+}
+
+impl AsRef<Foreground> for PointClusters {
+    fn as_ref(&self) -> &Foreground {
+        &self.foreground
+    }
+}
+
+impl AsMut<Foreground> for PointClusters {
+    fn as_mut(&mut self) -> &mut Foreground {
+        &mut self.foreground
+    }
+}
+
+/// Where nothing is clustered.
+impl AsRef<Self> for Foreground {
+    fn as_ref(&self) -> &Self {
+        self
+    }
+}
+
+impl AsMut<Self> for Foreground {
+    fn as_mut(&mut self) -> &mut Self {
+        self
+    }
 }
 
 /// Groups within groups.
@@ -75,42 +145,40 @@ pub struct Groups {
     pub points: NodePoints,
 }
 
-impl Frame {
-    /// A frame for a sensor `sensor_height_m` above the road. Gaps separate groups.
-    pub fn new(params: &HierarchicalParams, sensor_height_m: f32) -> Self {
+impl Groups {
+    /// None yet; gaps between cells will separate them.
+    pub fn by_gaps(params: &HierarchicalParams) -> Self {
         let weighting = DensityWeighting::new(&params.density_weighting);
-        let gaps = DenseGaps::new(params.grouping.gaps.clone(), &params.grid, &weighting);
-        Self::over(Box::new(gaps), params, sensor_height_m)
+        Self::over(Box::new(DenseGaps::new(params.grouping.gaps.clone(), &params.grid, &weighting)), params)
     }
 
-    /// A frame with groups that `linkage` joins.
-    pub fn over(linkage: Box<dyn Linkage>, params: &HierarchicalParams, sensor_height_m: f32) -> Self {
-        let grid = HierarchicalGrid::new(params.grid.clone());
+    /// None yet; `linkage` will join them.
+    pub fn over(linkage: Box<dyn Linkage>, params: &HierarchicalParams) -> Self {
         let candidates = params.grouping.candidates.clone();
+        let tall_height_m = params.ground.tall_height_m;
+        Self {
+            candidates: Candidates::new(candidates, params.foreground.clone(), tall_height_m),
+            dense: DenseCells::default(),
+            linkage,
+            tree: GroupingTree::default(),
+            describer: NodeDescriber::default(),
+            taken: Vec::new(),
+            low_iou: LowIouGroups::default(),
+            points: NodePoints::default(),
+        }
+    }
+}
+
+impl<C> Frame<C> {
+    /// A frame for a sensor `sensor_height_m` above the road.
+    pub fn new(clustering: C, params: &HierarchicalParams, sensor_height_m: f32) -> Self {
+        let grid = HierarchicalGrid::new(params.grid.clone());
         Self {
             terrain: Terrain::new(params.terrain.clone(), &grid, sensor_height_m),
             classes: Vec::new(),
             walls: WallRefinement::new(params.walls.clone(), &grid),
-            foreground: Foreground::new(params.foreground.clone()),
-            dense: DenseLevel::default(),
-            links: Vec::new(),
-            object_of_dense: Vec::new(),
-            object_points: ObjectPoints::default(),
-            clusters: Clusters::default(),
-            groups: Groups {
-                candidates: Candidates::new(
-                    candidates,
-                    params.foreground.clone(),
-                    params.ground.tall_height_m,
-                ),
-                dense: DenseCells::default(),
-                linkage,
-                tree: GroupingTree::default(),
-                describer: NodeDescriber::default(),
-                taken: Vec::new(),
-                low_iou: LowIouGroups::default(),
-                points: NodePoints::default(),
-            },
+            foreground_params: params.foreground.clone(),
+            clustering,
             fitted: FittedObjects::default(),
             grid,
         }
@@ -131,6 +199,14 @@ impl Frame {
         classes
     }
 
+    /// Whether each point of `cloud`, the latest scan, is ground; `None` if no stage looks for the ground.
+    pub fn ground_points(&self, cloud: &PointCloud) -> Option<Vec<bool>> {
+        let Self { grid, classes, terrain, foreground_params, .. } = self;
+        (!classes.is_empty()).then(|| ground_points(cloud, grid, classes, terrain, foreground_params))
+    }
+}
+
+impl<C: AsRef<Foreground>> Frame<C> {
     /// The class of every point: that of its cell, except that points of short cells that lie below the foreground are
     /// ground.
     pub fn point_classes(&self) -> Vec<SurfaceClass> {
@@ -139,15 +215,9 @@ impl Frame {
             SurfaceClass::Short => SurfaceClass::Ground,
             class => class,
         });
-        for &point_idx in self.foreground.point_indices() {
+        for &point_idx in self.clustering.as_ref().point_indices() {
             classes[point_idx as usize] = SurfaceClass::Short;
         }
         classes
-    }
-
-    /// Whether each point of `cloud`, the latest scan, is ground; `None` if no stage looks for the ground.
-    pub fn ground_points(&self, cloud: &PointCloud) -> Option<Vec<bool>> {
-        let Self { grid, classes, terrain, foreground, .. } = self;
-        (!classes.is_empty()).then(|| ground_points(cloud, grid, classes, terrain, foreground.params()))
     }
 }

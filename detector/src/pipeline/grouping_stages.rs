@@ -18,8 +18,8 @@ use crate::stage_product::{Shape, StageProduct};
 
 /// Grid, terrain, candidates, tree and descriptions over `frame`, whose linkage joins cells to groups. There are no
 /// detections: training and detection use the same trees.
-pub fn grouping(frame: Frame, params: &HierarchicalParams) -> Pipeline {
-    let [filling, linking] = frame.groups.linkage.stages();
+pub fn grouping(frame: Frame<Groups>, params: &HierarchicalParams) -> Pipeline<Groups> {
+    let [filling, linking] = frame.clustering.linkage.stages();
     let stages = Stages::default()
         .then(stage::GRID, fill_grid)
         .then(stage::GROUND, ground_and_hanging(ground(params)))
@@ -34,10 +34,10 @@ pub fn grouping(frame: Frame, params: &HierarchicalParams) -> Pipeline {
 }
 
 /// Finds the ground, and the things that hang over it.
-fn ground_and_hanging(mut ground: GroundSegmentation) -> impl Stage {
-    move |cloud: &PointCloud, frame: &mut Frame, output: &mut DetectorOutput| {
+fn ground_and_hanging(mut ground: GroundSegmentation) -> impl Stage<Groups> {
+    move |cloud: &PointCloud, frame: &mut Frame<Groups>, output: &mut DetectorOutput| {
         ground.run(cloud, frame, output);
-        let Frame { grid, terrain, classes, groups, .. } = frame;
+        let Frame { grid, terrain, classes, clustering: groups, .. } = frame;
         groups.candidates.find_hanging(cloud, grid, terrain, classes);
     }
 }
@@ -45,13 +45,13 @@ fn ground_and_hanging(mut ground: GroundSegmentation) -> impl Stage {
 /// Finds walls among the things that stand. They take nothing away.
 struct StandingWalls;
 
-impl Stage for StandingWalls {
-    fn run(&mut self, _: &PointCloud, frame: &mut Frame, _: &mut DetectorOutput) {
-        let Frame { grid, terrain, classes, walls, groups, .. } = frame;
+impl Stage<Groups> for StandingWalls {
+    fn run(&mut self, _: &PointCloud, frame: &mut Frame<Groups>, _: &mut DetectorOutput) {
+        let Frame { grid, terrain, classes, walls, clustering: groups, .. } = frame;
         walls.refine_on_walls(grid, terrain, |it| groups.candidates.hangs(it), classes);
     }
 
-    fn products(&self, _: &PointCloud, frame: &Frame) -> Vec<StageProduct> {
+    fn products(&self, _: &PointCloud, frame: &Frame<Groups>) -> Vec<StageProduct> {
         cells_and_walls(frame)
     }
 }
@@ -59,61 +59,61 @@ impl Stage for StandingWalls {
 /// Gathers the points that may belong to objects, with the evidence against it.
 struct CandidatePoints;
 
-impl Stage for CandidatePoints {
-    fn run(&mut self, cloud: &PointCloud, frame: &mut Frame, _: &mut DetectorOutput) {
-        frame.groups.candidates.find(cloud, &frame.grid, &frame.classes, &frame.walls);
+impl Stage<Groups> for CandidatePoints {
+    fn run(&mut self, cloud: &PointCloud, frame: &mut Frame<Groups>, _: &mut DetectorOutput) {
+        frame.clustering.candidates.find(cloud, &frame.grid, &frame.classes, &frame.walls);
     }
 
-    fn products(&self, _: &PointCloud, frame: &Frame) -> Vec<StageProduct> {
-        let classes = candidate_classes(&frame.grid, &frame.classes, &frame.groups.candidates);
+    fn products(&self, _: &PointCloud, frame: &Frame<Groups>) -> Vec<StageProduct> {
+        let classes = candidate_classes(&frame.grid, &frame.classes, &frame.clustering.candidates);
         vec![StageProduct { stage: stage::FOREGROUND, name: "points", shape: Shape::LabeledPoints(classes) }]
     }
 }
 
 /// Sorts candidates into dense cells.
-fn fill_cells(cloud: &PointCloud, frame: &mut Frame, _: &mut DetectorOutput) {
-    let Frame { grid, terrain, groups: Groups { candidates, linkage, dense, .. }, .. } = frame;
+fn fill_cells(cloud: &PointCloud, frame: &mut Frame<Groups>, _: &mut DetectorOutput) {
+    let Frame { grid, terrain, clustering: Groups { candidates, linkage, dense, .. }, .. } = frame;
     linkage.fill(&LinkedScan { cloud, grid, terrain, candidates }, dense);
 }
 
 /// Finds the links between these.
-fn link_cells(cloud: &PointCloud, frame: &mut Frame, _: &mut DetectorOutput) {
-    let Frame { grid, terrain, groups: Groups { candidates, linkage, dense, .. }, .. } = frame;
+fn link_cells(cloud: &PointCloud, frame: &mut Frame<Groups>, _: &mut DetectorOutput) {
+    let Frame { grid, terrain, clustering: Groups { candidates, linkage, dense, .. }, .. } = frame;
     linkage.link(&LinkedScan { cloud, grid, terrain, candidates }, dense);
 }
 
 /// Gathers dense cells to groups within groups.
 struct Grouping;
 
-impl Stage for Grouping {
-    fn run(&mut self, _: &PointCloud, frame: &mut Frame, _: &mut DetectorOutput) {
-        let Groups { tree, dense, linkage, .. } = &mut frame.groups;
+impl Stage<Groups> for Grouping {
+    fn run(&mut self, _: &PointCloud, frame: &mut Frame<Groups>, _: &mut DetectorOutput) {
+        let Groups { tree, dense, linkage, .. } = &mut frame.clustering;
         tree.build(dense, linkage.links());
     }
 
-    fn products(&self, cloud: &PointCloud, frame: &Frame) -> Vec<StageProduct> {
-        let Groups { candidates, dense, tree, .. } = &frame.groups;
+    fn products(&self, cloud: &PointCloud, frame: &Frame<Groups>) -> Vec<StageProduct> {
+        let Groups { candidates, dense, tree, .. } = &frame.clustering;
         let shape = smallest_groups(cloud.len(), candidates, dense, tree);
         vec![StageProduct { stage: stage::GROUPING, name: "smallest_groups", shape }]
     }
 }
 
 /// Cuts groups where there is no gap.
-fn cuts(params: LeafCutsParams) -> impl Stage {
+fn cuts(params: LeafCutsParams) -> impl Stage<Groups> {
     let mut cuts = LeafCuts::default();
-    move |_: &PointCloud, frame: &mut Frame, output: &mut DetectorOutput| {
-        output.n_left_uncut = cuts.cut(&mut frame.groups.tree, &frame.groups.dense, &params);
+    move |_: &PointCloud, frame: &mut Frame<Groups>, output: &mut DetectorOutput| {
+        output.n_left_uncut = cuts.cut(&mut frame.clustering.tree, &frame.clustering.dense, &params);
     }
 }
 
 /// Computes the values by which a group is judged to be an object.
-fn description(params: &HierarchicalParams) -> impl Stage + use<> {
+fn description(params: &HierarchicalParams) -> impl Stage<Groups> + use<> {
     let GridParams { cell_size_m, xi, extent_m } = params.grid;
     let min_points = params.cluster.min_vehicle_points;
     let (bounds, surroundings) = (params.grouping.bounds.clone(), params.grouping.surroundings);
     let mut raster = ObjectRaster::new(extent_m);
-    move |cloud: &PointCloud, frame: &mut Frame, _: &mut DetectorOutput| {
-        let Frame { grid, terrain, classes, walls, groups, .. } = frame;
+    move |cloud: &PointCloud, frame: &mut Frame<Groups>, _: &mut DetectorOutput| {
+        let Frame { grid, terrain, classes, walls, clustering: groups, .. } = frame;
         let Groups { candidates, dense, tree, describer, .. } = groups;
         if raster.has_cells(cell_size_m / xi as f32, extent_m) {
             let occupied = dense.statistics().iter().filter(|it| it.n_points > 0);

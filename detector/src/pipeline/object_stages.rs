@@ -35,7 +35,7 @@ pub struct ObjectModels {
 }
 
 /// Classes, completion and reported boxes.
-pub fn object_stages(params: &HierarchicalParams, models: ObjectModels) -> Stages {
+pub fn object_stages<C: 'static>(params: &HierarchicalParams, models: ObjectModels) -> Stages<C> {
     let mut stages = Stages::default();
     if let Some(model) = models.vehicles {
         let (bounds, cluster) = (params.vehicle_bounds, params.cluster.clone());
@@ -49,7 +49,7 @@ pub fn object_stages(params: &HierarchicalParams, models: ObjectModels) -> Stage
 }
 
 /// Completion and reported boxes.
-pub fn completion_stages(params: &HierarchicalParams, box_model: Option<Arc<BoxModels>>) -> Stages {
+pub fn completion_stages<C>(params: &HierarchicalParams, box_model: Option<Arc<BoxModels>>) -> Stages<C> {
     let completed = CompletedObjects {
         cluster: params.cluster.clone(),
         sizes: params.vehicle_size.clone(),
@@ -106,8 +106,8 @@ struct Features {
     raster: ObjectRaster,
 }
 
-impl Stage for Features {
-    fn run(&mut self, _: &PointCloud, frame: &mut Frame, _: &mut DetectorOutput) {
+impl<C> Stage<C> for Features {
+    fn run(&mut self, _: &PointCloud, frame: &mut Frame<C>, _: &mut DetectorOutput) {
         let Self { model, raster } = self;
         let Frame { grid, terrain, fitted, .. } = frame;
         raster.fill(fitted.members.all_positions_m().iter().copied());
@@ -126,7 +126,7 @@ impl Stage for Features {
         });
     }
 
-    fn products(&self, _: &PointCloud, frame: &Frame) -> Vec<StageProduct> {
+    fn products(&self, _: &PointCloud, frame: &Frame<C>) -> Vec<StageProduct> {
         vehicle_shapes(self.model.prototypes(), &frame.fitted)
     }
 }
@@ -138,8 +138,8 @@ struct Decisions {
     cluster: ClusterParams,
 }
 
-impl Stage for Decisions {
-    fn run(&mut self, _: &PointCloud, frame: &mut Frame, _: &mut DetectorOutput) {
+impl<C> Stage<C> for Decisions {
+    fn run(&mut self, _: &PointCloud, frame: &mut Frame<C>, _: &mut DetectorOutput) {
         frame.fitted.decide(|may_be, values| self.model.odds(may_be, values));
     }
 
@@ -147,7 +147,7 @@ impl Stage for Decisions {
         self.model.given_classes()
     }
 
-    fn rules(&self, _: &Frame) -> Vec<Rule> {
+    fn rules(&self, _: &Frame<C>) -> Vec<Rule> {
         let bounds = self.bounds.enabled.then_some(Rule::SizeBounds);
         small_vehicles(&self.cluster).into_iter().chain(bounds).collect()
     }
@@ -155,14 +155,14 @@ impl Stage for Decisions {
 
 /// Classifies objects by `decide`, and makes a detection of each as it is. A vehicle needs `least_points`, and a decision
 /// above 0; objects that `decide` leaves open are classified by `sizes`.
-pub fn classification(
+pub fn classification<C>(
     sizes: SizeGateParams,
     least_points: usize,
     decide: impl Fn(&mut FittedObjects) + Send,
-) -> impl Stage {
+) -> impl Stage<C> {
     let rule = RoadUserRule { least_points, least_odds: RoadUserOdds::of_vehicle(0.0) };
     let unlikely = UnlikelyOdds { above: NO_VEHICLE, up_to: rule.least_odds };
-    move |_: &PointCloud, frame: &mut Frame, output: &mut DetectorOutput| {
+    move |_: &PointCloud, frame: &mut Frame<C>, output: &mut DetectorOutput| {
         decide(&mut frame.fitted);
         let FittedObjects { objects, members, .. } = &frame.fitted;
         for object in objects {
@@ -213,8 +213,8 @@ impl CompletedObjects {
     }
 }
 
-impl Stage for CompletedObjects {
-    fn run(&mut self, cloud: &PointCloud, frame: &mut Frame, output: &mut DetectorOutput) {
+impl<C> Stage<C> for CompletedObjects {
+    fn run(&mut self, cloud: &PointCloud, frame: &mut Frame<C>, output: &mut DetectorOutput) {
         self.drop_background(&mut frame.fitted, output);
         let FittedObjects { objects, members, .. } = &frame.fitted;
         let asked = objects.iter().map(|it| {
@@ -235,7 +235,7 @@ impl Stage for CompletedObjects {
         self.point_indices = point_indices;
     }
 
-    fn products(&self, cloud: &PointCloud, frame: &Frame) -> Vec<StageProduct> {
+    fn products(&self, cloud: &PointCloud, frame: &Frame<C>) -> Vec<StageProduct> {
         let FittedObjects { objects, members, .. } = &frame.fitted;
         let completed = objects.iter().enumerate().map(|(object_idx, object)| {
             let own = members.point_indices(&object.members).iter().copied();
@@ -245,17 +245,17 @@ impl Stage for CompletedObjects {
         vec![StageProduct { stage: stage::COMPLETION, name: "objects", shape }]
     }
 
-    fn rules(&self, _: &Frame) -> Vec<Rule> {
+    fn rules(&self, _: &Frame<C>) -> Vec<Rule> {
         if self.completion.is_enabled() { vec![Rule::Completion] } else { Vec::new() }
     }
 }
 
-impl Stage for ReportedBoxes {
-    fn run(&mut self, cloud: &PointCloud, frame: &mut Frame, output: &mut DetectorOutput) {
+impl<C> Stage<C> for ReportedBoxes {
+    fn run(&mut self, cloud: &PointCloud, frame: &mut Frame<C>, output: &mut DetectorOutput) {
         self.replace(cloud, |it| frame.ground_below_m(it), output);
     }
 
-    fn rules(&self, _: &Frame) -> Vec<Rule> {
+    fn rules(&self, _: &Frame<C>) -> Vec<Rule> {
         if self.are_whole() { vec![Rule::WholeBoxes] } else { Vec::new() }
     }
 }

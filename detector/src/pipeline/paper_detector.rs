@@ -10,7 +10,7 @@ use crate::params::HierarchicalParams;
 use crate::params::paper::PaperParams;
 use crate::pipeline::blob_stages::{OutlineBoxes, fill_dense_level, merge};
 use crate::pipeline::foreground_stages::foreground_stages;
-use crate::pipeline::frame::Frame;
+use crate::pipeline::frame::{Blobs, Frame};
 use crate::pipeline::object_stages::classification;
 use crate::pipeline::stage_list::{Pipeline, Stage};
 use crate::point_cloud::PointCloud;
@@ -44,7 +44,7 @@ pub fn paper(
     of_sensor: &HierarchicalParams,
     model: Option<PaperModel>,
     sensor_height_m: f32,
-) -> Pipeline {
+) -> Pipeline<Blobs> {
     let PaperParams { merge: merging, separation, outline, .. } = params.clone();
     let params = params.stages(of_sensor);
     let weighting = DensityWeighting::new(&params.density_weighting);
@@ -65,20 +65,20 @@ pub fn paper(
     };
     stages =
         stages.then(stage::CLASSIFICATION, classification(params.vehicle_size.clone(), least_points, decide));
-    Pipeline { name: "paper", frame: Frame::new(&params, sensor_height_m), stages }
+    Pipeline { name: "paper", frame: Frame::new(Blobs::new(&params), &params, sensor_height_m), stages }
 }
 
 /// Computes the values that the model looks at.
 ///
 /// Paper: VM sections 4 and 5.
-impl Stage for PaperModel {
-    fn run(&mut self, _: &PointCloud, frame: &mut Frame, _: &mut DetectorOutput) {
+impl<C> Stage<C> for PaperModel {
+    fn run(&mut self, _: &PointCloud, frame: &mut Frame<C>, _: &mut DetectorOutput) {
         frame
             .fitted
             .describe(|object, positions_m| self.values(&object.bounding_box, positions_m.iter().copied()));
     }
 
-    fn products(&self, _: &PointCloud, frame: &Frame) -> Vec<StageProduct> {
+    fn products(&self, _: &PointCloud, frame: &Frame<C>) -> Vec<StageProduct> {
         vehicle_shapes(self.prototypes(), &frame.fitted)
     }
 }

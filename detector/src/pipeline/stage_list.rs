@@ -9,13 +9,14 @@ use crate::stage_product::StageProduct;
 
 /// One step from a scan to detections.
 ///
-/// It has parameters and buffers of its own. Results that other stages need are left in the frame.
-pub trait Stage: Send {
+/// It has parameters and buffers of its own. Results that other stages need are left in the frame; `C` is what it holds
+/// between the ground and objects.
+pub trait Stage<C>: Send {
     /// Does its work on `cloud` and on the results of earlier stages in `frame`. The last stages write `output`.
-    fn run(&mut self, cloud: &PointCloud, frame: &mut Frame, output: &mut DetectorOutput);
+    fn run(&mut self, cloud: &PointCloud, frame: &mut Frame<C>, output: &mut DetectorOutput);
 
     /// Its products of the latest scan, which is `cloud`. Asked when all stages have run.
-    fn products(&self, _cloud: &PointCloud, _frame: &Frame) -> Vec<StageProduct> {
+    fn products(&self, _cloud: &PointCloud, _frame: &Frame<C>) -> Vec<StageProduct> {
         Vec::new()
     }
 
@@ -25,25 +26,30 @@ pub trait Stage: Send {
     }
 
     /// Its rules beside finding clusters.
-    fn rules(&self, _frame: &Frame) -> Vec<Rule> {
+    fn rules(&self, _frame: &Frame<C>) -> Vec<Rule> {
         Vec::new()
     }
 }
 
 /// A function is a stage without products.
-impl<F: FnMut(&PointCloud, &mut Frame, &mut DetectorOutput) + Send> Stage for F {
-    fn run(&mut self, cloud: &PointCloud, frame: &mut Frame, output: &mut DetectorOutput) {
+impl<C, F: FnMut(&PointCloud, &mut Frame<C>, &mut DetectorOutput) + Send> Stage<C> for F {
+    fn run(&mut self, cloud: &PointCloud, frame: &mut Frame<C>, output: &mut DetectorOutput) {
         self(cloud, frame, output);
     }
 }
 
 /// Stages under their names, in the order in which they run.
-#[derive(Default)]
-pub struct Stages(Vec<(&'static str, Box<dyn Stage>)>);
+pub struct Stages<C>(Vec<(&'static str, Box<dyn Stage<C>>)>);
 
-impl Stages {
+impl<C> Default for Stages<C> {
+    fn default() -> Self {
+        Self(Vec::new())
+    }
+}
+
+impl<C> Stages<C> {
     /// Appends `stage`; `name` is one of [`stage`](crate::stage) or of the detector's own.
-    pub fn then(mut self, name: &'static str, stage: impl Stage + 'static) -> Self {
+    pub fn then(mut self, name: &'static str, stage: impl Stage<C> + 'static) -> Self {
         self.0.push((name, Box::new(stage)));
         self
     }
@@ -55,7 +61,7 @@ impl Stages {
     }
 
     /// Runs them on `cloud`, and adds the time of each to `output`.
-    pub fn run(&mut self, cloud: &PointCloud, frame: &mut Frame, output: &mut DetectorOutput) {
+    pub fn run(&mut self, cloud: &PointCloud, frame: &mut Frame<C>, output: &mut DetectorOutput) {
         let mut clock = StageClock::start();
         for (name, stage) in &mut self.0 {
             stage.run(cloud, frame, output);
@@ -72,34 +78,36 @@ impl Stages {
 /// use detector::pipeline::foreground_stages::foreground_stages;
 /// use detector::pipeline::frame::Frame;
 /// use detector::pipeline::stage_list::Pipeline;
+/// use detector::segment::foreground::Foreground;
 /// use detector::{DetectedClass, Detection, Detector, OrientedBox, PointCloud};
 ///
 /// // Takes all of the foreground for one object.
-/// fn report(_: &PointCloud, frame: &mut Frame, output: &mut DetectorOutput) {
+/// fn report(_: &PointCloud, frame: &mut Frame<C>, output: &mut DetectorOutput) {
 ///     let bounding_box =
 ///         OrientedBox { center_m: [8.0, 0.0, -1.0], length_width_height_m: [4.0, 2.0, 1.5], yaw_rad: 0.0 };
-///     let points = frame.foreground.point_indices();
+///     let points = frame.clustering.point_indices();
 ///     output.detections.push(Detection::new(points, bounding_box, DetectedClass::Object, None));
 /// }
 ///
 /// let params = HierarchicalParams::shipped();
+/// let frame = Frame::new(Foreground::new(params.foreground.clone()), &params, 1.73);
 /// let stages = foreground_stages(&params).then("report", report);
-/// let mut detector = Pipeline { name: "foreground", frame: Frame::new(&params, 1.73), stages };
+/// let mut detector = Pipeline { name: "foreground", frame, stages };
 /// let mut output = DetectorOutput::default();
 /// detector.detect(&PointCloud::default(), &mut output);
 /// let names: Vec<&str> = output.stage_times.iter().map(|it| it.stage).collect();
 /// assert_eq!(names, ["grid", "ground", "walls", "foreground", "report"]);
 /// ```
-pub struct Pipeline {
+pub struct Pipeline<C> {
     /// The name on the command line.
     pub name: &'static str,
     /// The results of its stages on the latest scan.
-    pub frame: Frame,
+    pub frame: Frame<C>,
     /// Its stages.
-    pub stages: Stages,
+    pub stages: Stages<C>,
 }
 
-impl Detector for Pipeline {
+impl<C: Send> Detector for Pipeline<C> {
     fn name(&self) -> &'static str {
         self.name
     }

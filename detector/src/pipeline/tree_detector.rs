@@ -60,17 +60,26 @@ impl GroupModels {
 /// the IoU of each group with an object. The disjoint groups with the greatest sum are taken: Hu, Held, Ramanan 2020,
 /// *Learning to optimally segment point clouds*, with the expected IoU as the score of a group. Walls are one of the values,
 /// and exclude no group.
-pub fn hierarchical(params: &HierarchicalParams, models: GroupModels, sensor_height_m: f32) -> Pipeline {
-    best_cut("hierarchical", grouping(Frame::new(params, sensor_height_m), params), params, models)
+pub fn hierarchical(
+    params: &HierarchicalParams,
+    models: GroupModels,
+    sensor_height_m: f32,
+) -> Pipeline<Groups> {
+    best_cut(
+        "hierarchical",
+        grouping(Frame::new(Groups::by_gaps(params), params, sensor_height_m), params),
+        params,
+        models,
+    )
 }
 
 /// A detector of this name that takes the best of the groups of `grouping`, by models that were trained on them.
 pub fn best_cut(
     name: &'static str,
-    grouping: Pipeline,
+    grouping: Pipeline<Groups>,
     params: &HierarchicalParams,
     models: GroupModels,
-) -> Pipeline {
+) -> Pipeline<Groups> {
     let GroupModels { groups: model, vehicles, boxes } = models;
     let mut stages = grouping
         .stages
@@ -128,10 +137,10 @@ impl BestGroups {
     }
 }
 
-impl Stage for BestGroups {
-    fn run(&mut self, _: &PointCloud, frame: &mut Frame, _: &mut DetectorOutput) {
-        self.expect_ious(&frame.groups);
-        let Groups { tree, describer, taken, low_iou, .. } = &mut frame.groups;
+impl Stage<Groups> for BestGroups {
+    fn run(&mut self, _: &PointCloud, frame: &mut Frame<Groups>, _: &mut DetectorOutput) {
+        self.expect_ious(&frame.clustering);
+        let Groups { tree, describer, taken, low_iou, .. } = &mut frame.clustering;
         let GroupingParams { object_cost: cost, vehicle_cost, .. } = self.params;
         let described =
             || describer.described().iter().map(|it| it.node_idx).zip(self.expected_iou.iter().copied());
@@ -149,15 +158,15 @@ impl Stage for BestGroups {
         low_iou.add(tree, described().filter(is_offered), taken);
     }
 
-    fn products(&self, cloud: &PointCloud, frame: &Frame) -> Vec<StageProduct> {
-        let points = &frame.groups.points;
+    fn products(&self, cloud: &PointCloud, frame: &Frame<Groups>) -> Vec<StageProduct> {
+        let points = &frame.clustering.points;
         let own = |group: usize| points.point_indices(group).iter().copied();
         let shape = point_clusters(cloud.len(), (0..points.n_groups()).map(own));
         vec![StageProduct { stage: stage::BEST_CUT, name: "clusters", shape }]
     }
 
-    fn rules(&self, frame: &Frame) -> Vec<Rule> {
-        let best_cut = frame.groups.linkage.is_nested().then_some(Rule::BestCut);
+    fn rules(&self, frame: &Frame<Groups>) -> Vec<Rule> {
+        let best_cut = frame.clustering.linkage.is_nested().then_some(Rule::BestCut);
         [Rule::TrainedGroups].into_iter().chain(best_cut).collect()
     }
 }
@@ -168,10 +177,11 @@ struct GroupBoxes {
     box_fit: ConvexHullBox,
 }
 
-impl Stage for GroupBoxes {
-    fn run(&mut self, cloud: &PointCloud, frame: &mut Frame, _: &mut DetectorOutput) {
-        let Frame { groups: Groups { candidates, dense, tree, taken, low_iou, points, .. }, fitted, .. } =
-            frame;
+impl Stage<Groups> for GroupBoxes {
+    fn run(&mut self, cloud: &PointCloud, frame: &mut Frame<Groups>, _: &mut DetectorOutput) {
+        let Frame {
+            clustering: Groups { candidates, dense, tree, taken, low_iou, points, .. }, fitted, ..
+        } = frame;
         points.fill(cloud, candidates, dense, tree, taken.iter().copied());
         fitted.clear();
         for (group, &node_idx) in taken.iter().enumerate() {
@@ -186,7 +196,7 @@ impl Stage for GroupBoxes {
         }
     }
 
-    fn products(&self, _: &PointCloud, frame: &Frame) -> Vec<StageProduct> {
+    fn products(&self, _: &PointCloud, frame: &Frame<Groups>) -> Vec<StageProduct> {
         fitted_boxes(&frame.fitted)
     }
 }
@@ -202,10 +212,10 @@ struct GroupDecisions {
     sums: Vec<f32>,
 }
 
-impl Stage for GroupDecisions {
-    fn run(&mut self, _: &PointCloud, frame: &mut Frame, _: &mut DetectorOutput) {
+impl Stage<Groups> for GroupDecisions {
+    fn run(&mut self, _: &PointCloud, frame: &mut Frame<Groups>, _: &mut DetectorOutput) {
         let Self { model, bounds, describer, asked, sums, .. } = self;
-        let Frame { groups, fitted, .. } = frame;
+        let Frame { clustering: groups, fitted, .. } = frame;
         let mut taken = groups.taken.iter();
         fitted.describe(|object, positions_m| {
             let node = groups.describer.of_node(*taken.next()?)?;
@@ -237,7 +247,7 @@ impl Stage for GroupDecisions {
         }
     }
 
-    fn products(&self, _: &PointCloud, frame: &Frame) -> Vec<StageProduct> {
+    fn products(&self, _: &PointCloud, frame: &Frame<Groups>) -> Vec<StageProduct> {
         vehicle_shapes(&self.model.library, &frame.fitted)
     }
 
@@ -245,7 +255,7 @@ impl Stage for GroupDecisions {
         self.model.road_users.given_classes()
     }
 
-    fn rules(&self, _: &Frame) -> Vec<Rule> {
+    fn rules(&self, _: &Frame<Groups>) -> Vec<Rule> {
         let bounds = self.bounds.enabled.then_some(Rule::SizeBounds);
         small_vehicles(&self.cluster).into_iter().chain(bounds).collect()
     }

@@ -6,6 +6,7 @@ use crate::pipeline::foreground_stages::ground;
 use crate::pipeline::frame::Frame;
 use crate::pipeline::stage_list::Stage as _;
 use crate::point_cloud::PointCloud;
+use crate::segment::foreground::Foreground;
 use crate::surface_class::SurfaceClass;
 
 /// Height of the sensor above the road.
@@ -18,15 +19,15 @@ pub(crate) fn road(n_steps: i32) -> impl Iterator<Item = [f32; 3]> {
 }
 
 /// The grid over `cloud`, its terrain, and the classes of its cells.
-pub(crate) fn segmented(params: &HierarchicalParams, cloud: &PointCloud) -> Frame {
-    let mut frame = Frame::new(params, SENSOR_HEIGHT_M);
+pub(crate) fn segmented(params: &HierarchicalParams, cloud: &PointCloud) -> Frame<Foreground> {
+    let mut frame = Frame::new(Foreground::new(params.foreground.clone()), params, SENSOR_HEIGHT_M);
     frame.grid.fill(cloud);
     ground(params).run(cloud, &mut frame, &mut DetectorOutput::default());
     frame
 }
 
 /// The class of the occupied cell around a position.
-pub(crate) fn class_around(frame: &Frame, position_m: [f32; 2]) -> SurfaceClass {
+pub(crate) fn class_around(frame: &Frame<Foreground>, position_m: [f32; 2]) -> SurfaceClass {
     let is_near = |&&cell_idx: &&u32| {
         let [x, y] = frame.grid.center_m(cell_idx);
         (x - position_m[0]).abs() <= 0.3 && (y - position_m[1]).abs() <= 0.3

@@ -3,6 +3,7 @@
 use detector::classify::paper_model::PaperModel;
 use detector::params::HierarchicalParams;
 use detector::params::paper::PaperParams;
+use detector::pipeline::frame::{Blobs, Groups};
 use detector::pipeline::paper_detector::paper;
 use detector::pipeline::stage_list::Pipeline;
 use detector::pipeline::tree_detector::{GroupModels, VehiclesBy, hierarchical};
@@ -12,12 +13,12 @@ use test_data::test_data;
 use crate::drawn_street::{SENSOR_HEIGHT_M, main_road};
 use crate::velodyne_scans::{read_velodyne_bin, velodyne_paths};
 
-fn tree_detector() -> Pipeline {
+fn tree_detector() -> Pipeline<Groups> {
     let models = GroupModels::shipped(VehiclesBy::Model);
     hierarchical(&HierarchicalParams::shipped(), models, SENSOR_HEIGHT_M)
 }
 
-fn paper_detector(model: Option<PaperModel>) -> Pipeline {
+fn paper_detector(model: Option<PaperModel>) -> Pipeline<Blobs> {
     paper(&PaperParams::shipped(), &HierarchicalParams::shipped(), model, SENSOR_HEIGHT_M)
 }
 

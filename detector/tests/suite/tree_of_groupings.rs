@@ -3,6 +3,7 @@
 use std::collections::BTreeSet;
 
 use detector::params::HierarchicalParams;
+use detector::pipeline::frame::Groups;
 use detector::pipeline::stage_list::Pipeline;
 use detector::pipeline::tree_detector::{GroupModels, VehiclesBy, hierarchical};
 use detector::{DetectedClass, Detector, DetectorOutput, PointCloud, Rule};
@@ -11,13 +12,13 @@ use test_data::test_data;
 use crate::drawn_street::{DrawnStreet, SENSOR_HEIGHT_M, main_road};
 use crate::velodyne_scans::{read_velodyne_bin, velodyne_paths};
 
-fn detector(change: impl Fn(&mut HierarchicalParams)) -> Pipeline {
+fn detector(change: impl Fn(&mut HierarchicalParams)) -> Pipeline<Groups> {
     let mut params = HierarchicalParams::shipped();
     change(&mut params);
     hierarchical(&params, GroupModels::shipped(VehiclesBy::Model), SENSOR_HEIGHT_M)
 }
 
-fn found(detector: &mut Pipeline, cloud: &PointCloud) -> DetectorOutput {
+fn found(detector: &mut Pipeline<Groups>, cloud: &PointCloud) -> DetectorOutput {
     let mut output = DetectorOutput::default();
     detector.detect(cloud, &mut output);
     output

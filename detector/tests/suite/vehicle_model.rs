@@ -2,6 +2,7 @@
 
 use detector::classify::paper_model::PaperModel;
 use detector::params::HierarchicalParams;
+use detector::pipeline::frame::Blobs;
 use detector::pipeline::paper_detector::paper;
 use detector::pipeline::stage_list::Pipeline;
 use detector::stage_product::{Shape, StageProduct};
@@ -16,7 +17,7 @@ fn street() -> PointCloud {
     DrawnStreet::road().vehicle([7.0, 3.0], &HATCHBACK_M).block([5.0, 9.0], [-5.0, -3.2], 1.5).cloud()
 }
 
-fn detector_by(model: Option<PaperModel>) -> Pipeline {
+fn detector_by(model: Option<PaperModel>) -> Pipeline<Blobs> {
     paper(&beyond_papers(), &HierarchicalParams::shipped(), model, SENSOR_HEIGHT_M)
 }
 

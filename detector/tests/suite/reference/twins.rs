@@ -2,6 +2,7 @@
 
 use detector::params::HierarchicalParams;
 use detector::params::paper::PaperParams;
+use detector::pipeline::frame::{Blobs, Groups};
 use detector::pipeline::paper_detector::paper;
 use detector::pipeline::stage_list::Pipeline;
 use detector::pipeline::tree_detector::{GroupModels, VehiclesBy, hierarchical};
@@ -16,7 +17,7 @@ use super::{Found, FoundObject, Params};
 pub struct Twins {
     params: Params,
     sensor_height_m: f32,
-    detector: Pipeline,
+    detector: Pipeline<Blobs>,
     output: DetectorOutput,
 }
 
@@ -70,8 +71,8 @@ impl Twins {
 pub struct CompletionTwins {
     params: HierarchicalParams,
     sensor_height_m: f32,
-    whole: Pipeline,
-    as_cut: Pipeline,
+    whole: Pipeline<Groups>,
+    as_cut: Pipeline<Groups>,
 }
 
 impl CompletionTwins {
@@ -98,7 +99,7 @@ impl CompletionTwins {
     }
 }
 
-fn found_by(detector: &mut Pipeline, cloud: &PointCloud) -> Vec<(Vec<u32>, OrientedBox)> {
+fn found_by(detector: &mut Pipeline<Groups>, cloud: &PointCloud) -> Vec<(Vec<u32>, OrientedBox)> {
     let mut output = DetectorOutput::default();
     detector.detect(cloud, &mut output);
     output.detections.iter().map(|it| (it.point_indices.to_vec(), it.bounding_box)).collect()

@@ -16,7 +16,7 @@ pub struct CellCounts([u64; CLASSES.len()]);
 
 impl CellCounts {
     /// Counts the cells of the latest scan of `frame`.
-    pub fn of(frame: &Frame) -> Self {
+    pub fn of<C>(frame: &Frame<C>) -> Self {
         let occupied = frame.grid.occupied();
         Self(CLASSES.map(|class| {
             let is_of_class = |&&cell_idx: &&u32| frame.classes[cell_idx as usize] == class;

@@ -5,6 +5,7 @@
 use detector::params::HierarchicalParams;
 use detector::pipeline::foreground_stages::foreground;
 use detector::pipeline::frame::Frame;
+use detector::segment::foreground::Foreground;
 use detector::{Detector, DetectorOutput, OrientedBox, PointCloud};
 use reports::vocabulary::class::AnnotationClass;
 use scans::annotation::LabeledScan;
@@ -40,7 +41,7 @@ pub fn scan() -> LabeledScan {
 }
 
 /// Frame of the stages up to the foreground after the scan.
-pub fn frame() -> Frame {
+pub fn frame() -> Frame<Foreground> {
     let mut stages = foreground(&HierarchicalParams::shipped(), SENSOR_HEIGHT_M);
     stages.detect(&cloud(), &mut DetectorOutput::default());
     stages.frame

@@ -25,7 +25,7 @@ pub struct HeightCounts {
 
 impl HeightCounts {
     /// Counts the points of `cloud`, the latest scan of `frame`, by their height above the terrain below their cells.
-    pub fn of(cloud: &PointCloud, frame: &Frame) -> Self {
+    pub fn of<C>(cloud: &PointCloud, frame: &Frame<C>) -> Self {
         let mut counts = Self { n_in_bin: [0; N_BINS], n_points: 0 };
         let Frame { grid, terrain, .. } = frame;
         for (&z_m, &cell_idx) in cloud.z_m().iter().zip(grid.cell_of_point()) {

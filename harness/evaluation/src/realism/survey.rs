@@ -4,6 +4,7 @@ use detector::grid::ring_density::RingCounts;
 use detector::params::HierarchicalParams;
 use detector::pipeline::foreground_stages::foreground;
 use detector::pipeline::stage_list::Pipeline;
+use detector::segment::foreground::Foreground;
 use detector::{Detector, DetectorOutput};
 use scans::annotation::LabeledScan;
 
@@ -49,7 +50,7 @@ pub fn survey(pass: ScanPass<'_>) -> Result<Vec<SurveyedScan>, ScanPassError> {
 
 impl SurveyedScan {
     /// Surveys `scan`; `stages` find its ground and foreground.
-    fn of(scan: &LabeledScan, stages: &mut Pipeline) -> Self {
+    fn of(scan: &LabeledScan, stages: &mut Pipeline<Foreground>) -> Self {
         let cloud = &scan.cloud;
         stages.detect(cloud, &mut DetectorOutput::default());
         let frame = &stages.frame;

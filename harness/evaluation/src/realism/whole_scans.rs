@@ -4,6 +4,7 @@ use baselines::kd_tree_components::{KdTreeScratch, kd_tree_components};
 use detector::PointCloud;
 use detector::pipeline::frame::Frame;
 use detector::segment::clusters::Clusters;
+use detector::segment::foreground::Foreground;
 use detector::surface_class::SurfaceClass;
 use reports::numbers::curve_pair::{CurvePair, Measured, Sides};
 
@@ -21,7 +22,7 @@ pub struct GroundCount {
 
 impl GroundCount {
     /// Counts in the latest scan of `frame`.
-    pub fn of(frame: &Frame) -> Self {
+    pub fn of(frame: &Frame<Foreground>) -> Self {
         let classes = frame.point_classes();
         let n_ground = classes.iter().filter(|&&class| class == SurfaceClass::Ground).count();
         Self { n_ground: n_ground as u64, n_points: classes.len() as u64 }
@@ -53,8 +54,8 @@ const LEAST_POINTS: usize = 10;
 
 /// Distances on the ground plan of the clusters of the foreground of `frame`, in metres from the sensor to the mean of the
 /// points; `cloud` is its scan. Clusters have at least ten points and a tolerance of 0.5 m.
-pub fn cluster_ranges_m(cloud: &PointCloud, frame: &Frame) -> Vec<f64> {
-    let foreground = frame.foreground.point_indices().iter();
+pub fn cluster_ranges_m(cloud: &PointCloud, frame: &Frame<Foreground>) -> Vec<f64> {
+    let foreground = frame.clustering.point_indices().iter();
     let positions_m: Vec<[f32; 3]> =
         foreground.map(|&point_idx| cloud.position_m(point_idx as usize)).collect();
     let mut labels = Vec::new();

@@ -10,6 +10,7 @@ use detector::params::HierarchicalParams;
 use detector::pipeline::foreground_stages::foreground;
 use detector::pipeline::object_stages::{ObjectModels, object_stages};
 use detector::pipeline::stage_list::{Pipeline, Stages};
+use detector::segment::foreground::Foreground;
 use detector::whole::box_model::BoxModels;
 use detector::whole::reported_boxes::{BoxParams, ReportedBoxes};
 use detector::{BoxDetails, DetectedClass, Detection, Detector, DetectorOutput, OrientedBox, PointCloud};
@@ -54,7 +55,7 @@ pub fn members_of(clusters: &[u32]) -> BTreeMap<u32, Vec<u32>> {
 pub struct ForeignVehicles {
     size: SizeGateParams,
     hull_fit: ConvexHullBox,
-    foreground: Pipeline,
+    foreground: Pipeline<Foreground>,
     by_model: Option<ByModel>,
     boxes: ReportedBoxes,
     // Detections of the objects that had no box.
@@ -63,7 +64,7 @@ pub struct ForeignVehicles {
 
 /// Our own stages for classifying the objects.
 struct ByModel {
-    stages: Stages,
+    stages: Stages<Foreground>,
     output: DetectorOutput,
 }
 

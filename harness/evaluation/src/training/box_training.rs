@@ -8,6 +8,7 @@ use detector::pipeline::foreground_stages::foreground;
 use detector::pipeline::frame::Frame;
 use detector::pipeline::stage_list::Pipeline;
 use detector::road_user::{N_ROAD_USERS, RoadUser};
+use detector::segment::foreground::Foreground;
 use detector::whole::box_model::{BoxModel, N_GROWTHS};
 use detector::whole::box_values::{IS_TURNED, N_BOX_VALUES};
 use detector::whole::reported_boxes::BoxParams;
@@ -67,7 +68,7 @@ pub struct RoadUserExample {
 
 /// State of a thread that passes over scans.
 struct Looker {
-    foreground: Pipeline,
+    foreground: Pipeline<Foreground>,
     detectors: Vec<Box<dyn Detector>>,
 }
 
@@ -116,7 +117,7 @@ pub fn collect_road_users(
 fn example(
     scan: &LabeledScan,
     output: &DetectorOutput,
-    frame: &Frame,
+    frame: &Frame<Foreground>,
     annotation_idx: usize,
     detection_idx: usize,
 ) -> Option<RoadUserExample> {

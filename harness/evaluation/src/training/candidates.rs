@@ -4,6 +4,7 @@ use detector::describe::surroundings::{ObjectRaster, Surroundings};
 use detector::params::HierarchicalParams;
 use detector::pipeline::foreground_stages::foreground;
 use detector::pipeline::stage_list::Pipeline;
+use detector::segment::foreground::Foreground;
 use detector::{Detector, DetectorOutput, OrientedBox};
 use rand::{RngExt as _, SeedableRng as _};
 use rand_chacha::ChaCha8Rng;
@@ -53,7 +54,7 @@ pub struct CandidateSource<'a> {
 }
 
 /// State of a thread that passes over scans.
-type State = (Box<dyn Detector>, Pipeline, ObjectRaster);
+type State = (Box<dyn Detector>, Pipeline<Foreground>, ObjectRaster);
 
 /// Collects the candidates of the scans of `pass`, mapped by `kept`, in the order of the scans: the detections of the
 /// detector of `source`, and regions cut out of their points.

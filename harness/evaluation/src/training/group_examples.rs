@@ -109,7 +109,7 @@ impl ScanGroups {
 
 /// State of a thread that passes over scans.
 struct Looker {
-    grouping: Pipeline,
+    grouping: Pipeline<Groups>,
     describer: VehicleDescriber,
     box_fit: ConvexHullBox,
 }
@@ -122,7 +122,7 @@ struct Looker {
 /// As [`ScanPass::over`] says.
 pub fn collect_groups(
     pass: ScanPass<'_>,
-    new_grouping: &(dyn Fn() -> Pipeline + Sync),
+    new_grouping: &(dyn Fn() -> Pipeline<Groups> + Sync),
     library: &PrototypeLibrary,
 ) -> Result<Vec<ScanGroups>, ScanPassError> {
     let new_looker = || Looker {
@@ -136,7 +136,7 @@ pub fn collect_groups(
 fn groups_of(scan: &LabeledScan, looker: &mut Looker) -> ScanGroups {
     let Looker { grouping, describer, box_fit } = looker;
     grouping.detect(&scan.cloud, &mut DetectorOutput::default());
-    let grouped = &grouping.frame.groups;
+    let grouped = &grouping.frame.clustering;
     let tree = &grouped.tree;
     let annotations_of_point = annotations_of_points(scan);
     let points_of_dense = points_of_dense_cells(grouped);
@@ -187,7 +187,8 @@ fn groups_of(scan: &LabeledScan, looker: &mut Looker) -> ScanGroups {
     tree.upward(&mut upward);
     let wholes = tree.nodes().iter().map(|it| it.parent).collect();
     let params = EligibilityParams::STANDARD;
-    let excluded = exclusions(scan, Task::Objects, Criterion::Points { min_iou: f64::from(LEAST_IOU) }, &params);
+    let excluded =
+        exclusions(scan, Task::Objects, Criterion::Points { min_iou: f64::from(LEAST_IOU) }, &params);
     let asked = best_iou.into_iter().zip(excluded).filter(|(_, excluded)| excluded.is_none());
     ScanGroups {
         sequence: scan.id.sequence.clone(),

@@ -9,7 +9,7 @@ use detector::classify::refinement_forests::RefinementBuffers;
 use detector::classify::vehicle_model::VehicleModel;
 use detector::describe::prototype_library::PrototypeLibrary;
 use detector::params::HierarchicalParams;
-use detector::pipeline::frame::Frame;
+use detector::pipeline::frame::{Frame, Groups};
 use detector::pipeline::grouping_stages::grouping;
 use detector::pipeline::stage_list::Pipeline;
 use detector::road_user::{N_ROAD_USERS, RoadUser};
@@ -61,8 +61,9 @@ pub fn train_groupings(arguments: &TreeTrainingArgs) -> Result<(), Failure> {
     )?;
     let unnamed = format!("{}-train-{}", compact_utc(started), ids_of(&data.trained));
     let directory = RunDirectory::begin(claim_unnamed(named, &unnamed, LatestPointer::Leave)?)?;
-    let by_gaps =
-        |_: &str, params: &HierarchicalParams, height_m| grouping(Frame::new(params, height_m), params);
+    let by_gaps = |_: &str, params: &HierarchicalParams, height_m| {
+        grouping(Frame::new(Groups::by_gaps(params), params, height_m), params)
+    };
     let scans = groups_of_all(&data, &library, &by_gaps, interrupted)?;
     let rounds = data.config.hierarchical.grouping.rounds;
     let trained = TrainedTrees::of(&data, &scans, rounds, library, (GROUPING_MODEL, &arguments.odds))?;
@@ -126,7 +127,7 @@ pub fn drives(parted: &HeldOut) -> String {
 }
 
 /// Makes the grouping whose groups are learned from, for a sensor of this name and height above the road.
-pub type GroupingFor<'a> = &'a (dyn Fn(&str, &HierarchicalParams, f32) -> Pipeline + Sync);
+pub type GroupingFor<'a> = &'a (dyn Fn(&str, &HierarchicalParams, f32) -> Pipeline<Groups> + Sync);
 
 /// The groups of all scans, with their data sets.
 pub fn groups_of_all<'a>(
