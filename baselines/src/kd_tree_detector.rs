@@ -37,11 +37,12 @@ pub fn kd_tree(
     shared.completion.enabled &= params.foreground != ForegroundChoice::All;
     shared.cluster.min_points = params.min_points;
     let n_points = least_points(&shared.cluster, models.vehicles.as_ref())..=params.max_points;
+    let front_end = shared.front_end();
     let foreground = match params.foreground {
-        ForegroundChoice::Short | ForegroundChoice::Refined => foreground_stages(&shared),
+        ForegroundChoice::Short | ForegroundChoice::Refined => foreground_stages(&front_end),
         ForegroundChoice::Standing => Stages::default()
             .then(stage::GRID, fill_grid)
-            .then(stage::GROUND, ground(&shared))
+            .then(stage::GROUND, ground(&front_end))
             .then(stage::FOREGROUND, StandingPoints::default()),
         ForegroundChoice::All => Stages::default().then(stage::FOREGROUND, FinitePoints),
     };
@@ -49,7 +50,7 @@ pub fn kd_tree(
         .then(COMPONENTS, components(params.tolerance_m))
         .then(stage::BOXES, ClusterBoxes::new(HullFit { n_points, box_fit: ConvexHullBox::default() }))
         .and(object_stages(&shared, models));
-    let frame = Frame::new(PointClusters::new(&shared), &shared, sensor_height_m);
+    let frame = Frame::new(PointClusters::new(&front_end), &front_end, sensor_height_m);
     Pipeline { name: "kd-tree", frame, stages }
 }
 

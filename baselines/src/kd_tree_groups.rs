@@ -19,7 +19,10 @@ pub fn component_groups(
     let mut shared = shared.clone();
     // Components stay whole.
     shared.grouping.cuts.max_depth = 0;
-    grouping(Frame::new(Groups::over(Box::new(linkage), &shared), &shared, sensor_height_m), &shared)
+    grouping(
+        Frame::new(Groups::over(Box::new(linkage), &shared), &shared.front_end(), sensor_height_m),
+        &shared,
+    )
 }
 
 /// The detector `kd-tree-trained`: boosted trees keep or drop each component, and classify it as a vehicle or not.

@@ -7,6 +7,7 @@ use detector::fit::fitted_objects::FittedObjects;
 use detector::fit::principal_axes_box::principal_axes_box;
 use detector::grid::hierarchical_grid::GridParams;
 use detector::params::HierarchicalParams;
+use detector::params::front_end::FrontEndParams;
 use detector::pipeline::foreground_stages::fill_grid;
 use detector::pipeline::frame::{Frame, PointClusters};
 use detector::pipeline::object_stages::classification;
@@ -36,9 +37,9 @@ pub fn pca(
     model: Option<PcaVehicleModel>,
     sensor_height_m: f32,
 ) -> Pipeline<PointClusters> {
-    let mut shared = shared.clone();
     // Only the coarse level of the grid is used.
-    shared.grid = GridParams { cell_size_m: params.grid.cell_size_m, xi: 1, extent_m: params.grid.extent_m };
+    let grid = GridParams { cell_size_m: params.grid.cell_size_m, xi: 1, extent_m: params.grid.extent_m };
+    let front_end = FrontEndParams { grid, ..shared.front_end() };
     let sizes = shared.vehicle_size.clone();
     let mut stages = Stages::default()
         .then(stage::GRID, fill_grid)
@@ -59,7 +60,7 @@ pub fn pca(
         }
     };
     stages = stages.then(stage::CLASSIFICATION, classification(sizes, least_points, decide));
-    let frame = Frame::new(PointClusters::new(&shared), &shared, sensor_height_m);
+    let frame = Frame::new(PointClusters::new(&front_end), &front_end, sensor_height_m);
     Pipeline { name: "pca", frame, stages }
 }
 

@@ -29,11 +29,12 @@ pub fn simple_grid(
     let max_height_difference_m = shared.grouping.gaps.max_height_difference_m;
     let params = ConnectedComponentsParams { max_height_difference_m };
     let least_points = least_points(&shared.cluster, models.vehicles.as_ref());
-    let stages = foreground_stages(&shared)
+    let front_end = shared.front_end();
+    let stages = foreground_stages(&front_end)
         .then(stage::MERGE, MergedCells { params, blobs: DisjointSets::default() })
         .then(stage::BOXES, OutlineBoxes::new(Outline::new(shared.grid.xi, 1), least_points))
         .and(object_stages(&shared, models));
-    let frame = Frame::new(Blobs::new(&shared), &shared, sensor_height_m);
+    let frame = Frame::new(Blobs::new(&front_end), &front_end, sensor_height_m);
     Pipeline { name: "simple-grid", frame, stages }
 }
 

@@ -332,7 +332,7 @@ mod tests {
                 cloud.push([*x_m, *y_m, 0.1 * f32::from(height) + 0.05 - SENSOR_HEIGHT_M], 0.0);
             }
         }
-        let Frame { grid, terrain, mut classes, mut walls, .. } = segmented(&params, &cloud);
+        let Frame { grid, terrain, mut classes, mut walls, .. } = segmented(&params.front_end(), &cloud);
         let mut candidates = Candidates::new(
             params.grouping.candidates.clone(),
             params.foreground.clone(),

@@ -134,12 +134,11 @@ impl DenseGaps {
         for (&cell_idx, block) in dense.cell_of_block().iter().zip(0..) {
             let [column, row] = grid.column_and_row(cell_idx);
             let statistics = dense.statistics_of_block(block as usize);
-            let n_occupied = statistics.iter().filter(|it| it.n_points > 0).count().max(1);
-            let mean = statistics.iter().map(|it| it.n_points).sum::<u32>() as f32 / n_occupied as f32;
             let expected = self.expected.of_cell(grid, cell_idx);
             self.resolved_steps.push(expected.max_steps);
             self.is_on_wall.push(candidates.evidence_against(cell_idx).has(Evidence::OnWall));
-            let least = (self.params.low_density_share * mean.min(expected.object_points)).max(1.0);
+            let n_points = statistics.iter().map(|it| it.n_points);
+            let least = expected.least_points(self.params.low_density_share, n_points);
             let mut statistics = statistics.iter();
             for along in 0..self.xi {
                 let start = (row * self.xi + along) * self.n_along as u32 + column * self.xi;

@@ -1,6 +1,7 @@
 //! The parameters of the hierarchical detector, from one file; those of the papers' from another.
 
 pub mod bounds;
+pub mod front_end;
 pub mod paper;
 
 use serde::Deserialize;
@@ -233,11 +234,17 @@ impl HierarchicalParams {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::group::node_context::OBJECT_COST;
 
     #[test]
     fn the_paper_has_cells_of_60_cm_and_three_dense_cells_a_side() {
         let grid = HierarchicalParams::shipped().grid;
         assert_eq!((grid.cell_size_m, grid.xi), (0.6, 3));
+    }
+
+    #[test]
+    fn groups_are_taken_at_the_expected_iou_that_forests_have_learned_with() {
+        assert_eq!(HierarchicalParams::shipped().grouping.object_cost, OBJECT_COST);
     }
 
     #[track_caller]

@@ -2,27 +2,17 @@
 
 use serde::Deserialize;
 
+use super::ParamsError;
 use super::bounds::{HIERARCHICAL_BOUNDS, check_bounds};
-use super::{HierarchicalParams, ParamsError};
 use crate::grid::hierarchical_grid::GridParams;
 use crate::segment::connected_components::ConnectedComponentsParams;
 use crate::segment::dense_separation::DenseSeparationParams;
 use crate::segment::ground_segmentation::GroundSegmentationParams;
 use crate::segment::hough_lines::HoughParams;
 use crate::segment::terrain::TerrainParams;
-use crate::segment::wall_refinement::WallRefinementParams;
 
 /// Parameters of the papers' stages, and of readings that the papers do not have, which are off. `params/paper.toml`
 /// explains the values.
-///
-/// ```
-/// use detector::params::HierarchicalParams;
-/// use detector::params::paper::PaperParams;
-///
-/// let of_sensor = HierarchicalParams::shipped();
-/// let params = PaperParams::shipped().stages(&of_sensor);
-/// assert!(of_sensor.completion.enabled && !params.completion.enabled);
-/// ```
 #[derive(Debug, Clone, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct PaperParams {
@@ -120,26 +110,6 @@ impl PaperParams {
         check_bounds(&toml::from_str(text)?, HIERARCHICAL_BOUNDS)?;
         Ok(params)
     }
-
-    /// The parameters of the stages up to the foreground, and of those after the clusters. Completion, which is in no paper,
-    /// is off. The density curve, the sizes of vehicles for runs without models, and the parameters of walls that are not
-    /// found as printed are those of `hierarchical`.
-    pub fn stages(&self, hierarchical: &HierarchicalParams) -> HierarchicalParams {
-        let mut params = hierarchical.clone();
-        params.grid = self.grid.clone();
-        params.terrain = self.terrain.clone();
-        params.ground = self.ground.clone();
-        let PaperWallParams { enabled, as_printed, beside, min_support, hough } = self.walls.clone();
-        params.walls =
-            WallRefinementParams { enabled, as_printed, beside, min_support, hough, ..params.walls };
-        params.foreground.clearance_m = self.foreground.clearance_m;
-        params.density_weighting.enabled = self.density_weighting.enabled;
-        params.cluster.min_points = self.cluster.min_points;
-        params.cluster.min_vehicle_points = self.cluster.min_points;
-        params.vehicle_bounds.enabled = false;
-        params.completion.enabled = false;
-        params
-    }
 }
 
 #[cfg(test)]
@@ -165,9 +135,6 @@ mod tests {
         assert!(params.walls.as_printed && params.foreground.clearance_m == f32::NEG_INFINITY);
         assert!(params.ground.fewer_far_away && !params.ground.low_itself);
         assert_eq!(params.ground.tall_over, HeightOver::Terrain);
-        let stages = params.stages(&HierarchicalParams::shipped());
-        assert!(!stages.vehicle_bounds.enabled && !stages.completion.enabled);
-        assert_eq!(stages.cluster.min_vehicle_points, stages.cluster.min_points);
     }
 
     #[track_caller]

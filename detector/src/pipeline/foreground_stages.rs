@@ -4,7 +4,7 @@ use crate::detector::DetectorOutput;
 use crate::drawn::surfaces::surface_cells;
 use crate::drawn::walls::wall_segments;
 use crate::grid::density_weighting::DensityWeighting;
-use crate::params::HierarchicalParams;
+use crate::params::front_end::FrontEndParams;
 use crate::pipeline::frame::Frame;
 use crate::pipeline::stage_list::{Pipeline, Stage, Stages};
 use crate::point_cloud::PointCloud;
@@ -18,7 +18,7 @@ use crate::stage_product::{Shape, StageProduct};
 ///
 /// Paper: HG section 3.1, and the first paragraph of section 3.2.
 pub fn foreground_stages<C: AsRef<Foreground> + AsMut<Foreground> + 'static>(
-    params: &HierarchicalParams,
+    params: &FrontEndParams,
 ) -> Stages<C> {
     Stages::default()
         .then(stage::GRID, fill_grid)
@@ -29,7 +29,7 @@ pub fn foreground_stages<C: AsRef<Foreground> + AsMut<Foreground> + 'static>(
 
 /// These stages alone, for a sensor `sensor_height_m` above the road: their results are in the frame, and there are no
 /// detections.
-pub fn foreground(params: &HierarchicalParams, sensor_height_m: f32) -> Pipeline<Foreground> {
+pub fn foreground(params: &FrontEndParams, sensor_height_m: f32) -> Pipeline<Foreground> {
     let frame = Frame::new(Foreground::new(params.foreground.clone()), params, sensor_height_m);
     Pipeline { name: "foreground", frame, stages: foreground_stages(params) }
 }
@@ -40,7 +40,7 @@ pub fn fill_grid<C>(cloud: &PointCloud, frame: &mut Frame<C>, _: &mut DetectorOu
 }
 
 /// Separates cells from the ground by `params`.
-pub fn ground(params: &HierarchicalParams) -> GroundSegmentation {
+pub fn ground(params: &FrontEndParams) -> GroundSegmentation {
     let weighting = DensityWeighting::new(&params.density_weighting);
     GroundSegmentation::new(params.ground.clone(), &params.grid, &weighting)
 }

@@ -14,6 +14,7 @@ use crate::group::node_points::NodePoints;
 use crate::group::node_values::NodeDescriber;
 use crate::oriented_box::OrientedBox;
 use crate::params::HierarchicalParams;
+use crate::params::front_end::FrontEndParams;
 use crate::point_cloud::PointCloud;
 use crate::segment::clusters::Clusters;
 use crate::segment::dense_level::DenseLevel;
@@ -61,7 +62,7 @@ pub struct Blobs {
 
 impl Blobs {
     /// None yet.
-    pub fn new(params: &HierarchicalParams) -> Self {
+    pub fn new(params: &FrontEndParams) -> Self {
         Self {
             foreground: Foreground::new(params.foreground.clone()),
             dense: DenseLevel::default(),
@@ -82,7 +83,7 @@ pub struct PointClusters {
 
 impl PointClusters {
     /// None yet.
-    pub fn new(params: &HierarchicalParams) -> Self {
+    pub fn new(params: &FrontEndParams) -> Self {
         Self { foreground: Foreground::new(params.foreground.clone()), clusters: Clusters::default() }
     }
 }
@@ -171,7 +172,7 @@ impl Groups {
 
 impl<C> Frame<C> {
     /// A frame for a sensor `sensor_height_m` above the road.
-    pub fn new(clustering: C, params: &HierarchicalParams, sensor_height_m: f32) -> Self {
+    pub fn new(clustering: C, params: &FrontEndParams, sensor_height_m: f32) -> Self {
         let grid = HierarchicalGrid::new(params.grid.clone());
         Self {
             terrain: Terrain::new(params.terrain.clone(), &grid, sensor_height_m),

@@ -22,7 +22,7 @@ pub fn grouping(frame: Frame<Groups>, params: &HierarchicalParams) -> Pipeline<G
     let [filling, linking] = frame.clustering.linkage.stages();
     let stages = Stages::default()
         .then(stage::GRID, fill_grid)
-        .then(stage::GROUND, ground_and_hanging(ground(params)))
+        .then(stage::GROUND, ground_and_hanging(ground(&params.front_end())))
         .then(stage::WALLS, StandingWalls)
         .then(stage::FOREGROUND, CandidatePoints)
         .then(filling, fill_cells)

@@ -45,15 +45,15 @@ pub fn paper(
     model: Option<PaperModel>,
     sensor_height_m: f32,
 ) -> Pipeline<Blobs> {
-    let PaperParams { merge: merging, separation, outline, .. } = params.clone();
-    let params = params.stages(of_sensor);
-    let weighting = DensityWeighting::new(&params.density_weighting);
-    let least_points = params.cluster.min_points;
-    let outline = Outline::new(params.grid.xi, outline.min_points);
-    let mut stages = foreground_stages(&params)
+    let PaperParams { merge: merging, separation, outline, cluster, .. } = params.clone();
+    let front_end = params.front_end(of_sensor);
+    let weighting = DensityWeighting::new(&front_end.density_weighting);
+    let least_points = cluster.min_points;
+    let outline = Outline::new(front_end.grid.xi, outline.min_points);
+    let mut stages = foreground_stages(&front_end)
         .then(stage::DENSE_LEVEL, fill_dense_level)
         .then(stage::MERGE, merge(merging))
-        .then(stage::SEPARATION, DenseSeparation::new(separation, &params.grid, &weighting))
+        .then(stage::SEPARATION, DenseSeparation::new(separation, &front_end.grid, &weighting))
         .then(stage::BOXES, OutlineBoxes::new(outline, least_points));
     if let Some(model) = model.clone() {
         stages = stages.then(stage::FEATURES, model);
@@ -63,9 +63,9 @@ pub fn paper(
             fitted.decide(|_, values| RoadUserOdds::of_vehicle(model.decision_on(values)));
         }
     };
-    stages =
-        stages.then(stage::CLASSIFICATION, classification(params.vehicle_size.clone(), least_points, decide));
-    Pipeline { name: "paper", frame: Frame::new(Blobs::new(&params), &params, sensor_height_m), stages }
+    stages = stages
+        .then(stage::CLASSIFICATION, classification(of_sensor.vehicle_size.clone(), least_points, decide));
+    Pipeline { name: "paper", frame: Frame::new(Blobs::new(&front_end), &front_end, sensor_height_m), stages }
 }
 
 /// Computes the values that the model looks at.

@@ -89,7 +89,7 @@ impl<C> Stages<C> {
 ///     output.detections.push(Detection::new(points, bounding_box, DetectedClass::Object, None));
 /// }
 ///
-/// let params = HierarchicalParams::shipped();
+/// let params = HierarchicalParams::shipped().front_end();
 /// let frame = Frame::new(Foreground::new(params.foreground.clone()), &params, 1.73);
 /// let stages = foreground_stages(&params).then("report", report);
 /// let mut detector = Pipeline { name: "foreground", frame, stages };

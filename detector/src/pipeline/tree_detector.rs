@@ -67,7 +67,7 @@ pub fn hierarchical(
 ) -> Pipeline<Groups> {
     best_cut(
         "hierarchical",
-        grouping(Frame::new(Groups::by_gaps(params), params, sensor_height_m), params),
+        grouping(Frame::new(Groups::by_gaps(params), &params.front_end(), sensor_height_m), params),
         params,
         models,
     )

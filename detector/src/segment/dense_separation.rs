@@ -142,7 +142,8 @@ impl DenseSeparation {
             let first_part = self.cells_of_part.len();
             self.first_part_of_block.push(first_part as u32);
             let expected = self.expected.of_cell(grid, cell_idx);
-            let occupied = occupied(n_points, self.params.low_density_share, expected.object_points);
+            let least = expected.least_points(self.params.low_density_share, n_points.iter().copied());
+            let occupied = occupied(n_points, least);
             self.reach.push_groups(occupied, expected.max_steps, &mut self.cells_of_part);
             let parts = &self.cells_of_part[first_part..];
             for (bit, &n_in_cell) in n_points.iter().enumerate() {
@@ -182,11 +183,8 @@ impl DenseSeparation {
     }
 }
 
-/// The dense cells of a block that are not near-empty, as bits; at least one, since the fullest holds the mean or more.
-fn occupied(n_points: &[u32], low_density_share: f32, object_points: f32) -> u64 {
-    let n_occupied = n_points.iter().filter(|&&n| n > 0).count();
-    let mean = n_points.iter().sum::<u32>() as f32 / n_occupied as f32;
-    let least = (low_density_share * mean.min(object_points)).max(1.0);
+/// The dense cells of a block that hold at least `least` points, as bits.
+fn occupied(n_points: &[u32], least: f32) -> u64 {
     let is_occupied = n_points.iter().enumerate().filter(|&(_, &n)| n as f32 >= least);
     is_occupied.fold(0, |bits, (bit, _)| bits | 1 << bit)
 }
@@ -346,14 +344,5 @@ mod tests {
     fn without_weights_a_single_empty_cell_is_a_gap_at_every_range() {
         let drawing = "##.###\n##.###\n##.###";
         assert_eq!(separated(drawing, 30.0, &PARAMS, &weighting(false)), "aa.bbb\naa.bbb\naa.bbb");
-    }
-
-    #[test]
-    fn a_share_of_the_mean_counts_only_up_to_what_an_object_holds() {
-        // Both hold 2 of the mean of 11 points, 0.18 of it; where an object is expected to hold 5, 0.4.
-        let n_points = [20, 2, 0, 0, 0, 0, 0, 0, 0];
-        assert_eq!(occupied(&n_points, 0.3, 100.0), 0b01);
-        assert_eq!(occupied(&n_points, 0.3, 5.0), 0b11);
-        assert_eq!(occupied(&[1, 0, 0, 0], 0.3, 1e-6), 0b0001);
     }
 }

@@ -1,7 +1,7 @@
 //! A level road to test with, and the results of the first stages on it.
 
 use crate::detector::DetectorOutput;
-use crate::params::HierarchicalParams;
+use crate::params::front_end::FrontEndParams;
 use crate::pipeline::foreground_stages::ground;
 use crate::pipeline::frame::Frame;
 use crate::pipeline::stage_list::Stage as _;
@@ -19,7 +19,7 @@ pub(crate) fn road(n_steps: i32) -> impl Iterator<Item = [f32; 3]> {
 }
 
 /// The grid over `cloud`, its terrain, and the classes of its cells.
-pub(crate) fn segmented(params: &HierarchicalParams, cloud: &PointCloud) -> Frame<Foreground> {
+pub(crate) fn segmented(params: &FrontEndParams, cloud: &PointCloud) -> Frame<Foreground> {
     let mut frame = Frame::new(Foreground::new(params.foreground.clone()), params, SENSOR_HEIGHT_M);
     frame.grid.fill(cloud);
     ground(params).run(cloud, &mut frame, &mut DetectorOutput::default());

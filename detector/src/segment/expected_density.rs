@@ -13,6 +13,17 @@ pub struct Expected {
     pub max_steps: u32,
 }
 
+impl Expected {
+    /// Fewest points of a dense cell that is not near-empty: `low_density_share` of those it could be expected to hold, on an
+    /// upright object and as the others of its coarse cell, whose numbers of points are `n_points`.
+    pub fn least_points(&self, low_density_share: f32, n_points: impl Iterator<Item = u32>) -> f32 {
+        let (n_occupied, sum) =
+            n_points.filter(|&it| it > 0).fold((0, 0), |(n_occupied, sum), it| (n_occupied + 1, sum + it));
+        let mean = sum as f32 / n_occupied.max(1) as f32;
+        (low_density_share * mean.min(self.object_points)).max(1.0)
+    }
+}
+
 /// Expected density of dense cells at every range.
 ///
 /// The density falls with about the cube of the range, over level ground, where the sensor's rays fan out in proportion to
@@ -49,5 +60,24 @@ impl ExpectedDensity {
         let [x_m, y_m] = grid.center_m(cell_idx);
         let metre = (x_m * x_m + y_m * y_m).sqrt() as usize;
         self.by_metre[metre.min(self.by_metre.len() - 1)]
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_share_of_the_mean_counts_only_up_to_what_an_object_holds() {
+        let least = |n_points: &[u32], object_points| {
+            let expected = Expected { object_points, max_steps: 1 };
+            expected.least_points(0.3, n_points.iter().copied())
+        };
+        // The mean of the occupied ones is 11.
+        assert_eq!(least(&[20, 2, 0, 0, 0], 100.0), 0.3 * 11.0);
+        assert_eq!(least(&[20, 2, 0, 0, 0], 5.0), 0.3 * 5.0);
+        // One point suffices where few are expected, and an empty cell holds too few.
+        assert_eq!(least(&[1, 0, 0, 0], 1e-6), 1.0);
+        assert_eq!(least(&[0, 0], 5.0), 1.0);
     }
 }

@@ -46,7 +46,7 @@ mod tests {
             cloud.push([9.0, 3.0, height_m - 1.73], 0.0);
         }
         cloud.push([1e6, 0.0, -1.73], 0.0);
-        let Frame { grid, terrain, .. } = segmented(&params, &cloud);
+        let Frame { grid, terrain, .. } = segmented(&params.front_end(), &cloud);
         let cell_of_pole = grid.cell_of_point()[n_road] as usize;
         let mut classes = vec![SurfaceClass::Ground; grid.cells().len()];
         for class in [SurfaceClass::Tall, SurfaceClass::Short, SurfaceClass::Clutter] {

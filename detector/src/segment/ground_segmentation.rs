@@ -125,25 +125,26 @@ fn neighborhood_mean_m(grid: &HierarchicalGrid, cell_idx: u32) -> f32 {
 mod tests {
     use super::*;
     use crate::params::HierarchicalParams;
+    use crate::params::front_end::FrontEndParams;
     use crate::params::paper::PaperParams;
     use crate::pipeline::foreground_stages::ground;
     use crate::segment::drawn_ground::{class_around, road, segmented};
 
     /// The parameters of the papers to the letter.
-    fn printed() -> HierarchicalParams {
+    fn printed() -> FrontEndParams {
         let mut params = PaperParams::shipped();
         params.ground.fewer_far_away = false;
         params.ground.tall_over = HeightOver::LevelRoad;
-        params.stages(&HierarchicalParams::shipped())
+        params.front_end(&HierarchicalParams::shipped())
     }
 
     /// Level road with `extra` points over the cell around (9.0, 3.0); returns that cell's class.
     fn class_with(extra: &[[f32; 3]]) -> SurfaceClass {
-        class_by(&HierarchicalParams::shipped(), 0.0, extra)
+        class_by(&HierarchicalParams::shipped().front_end(), 0.0, extra)
     }
 
     /// The class of that cell on a road that rises by `rise` over run to the front, with other parameters.
-    fn class_by(params: &HierarchicalParams, rise: f32, extra: &[[f32; 3]]) -> SurfaceClass {
+    fn class_by(params: &FrontEndParams, rise: f32, extra: &[[f32; 3]]) -> SurfaceClass {
         let road = road(100).map(|[x, y, z]| [x, y, z + rise * x]);
         class_around(&segmented(params, &road.chain(extra.iter().copied()).collect()), [9.0, 3.0])
     }
@@ -176,17 +177,17 @@ mod tests {
     fn as_printed_a_climbing_road_makes_its_cars_tall() {
         // 0.9 m up, a van of 2.4 m.
         let van = column(0.1 * 9.0 - 1.73, 0.1 * 9.0 - 1.73 + 2.4);
-        assert_eq!(class_by(&HierarchicalParams::shipped(), 0.1, &van), SurfaceClass::Short);
+        assert_eq!(class_by(&HierarchicalParams::shipped().front_end(), 0.1, &van), SurfaceClass::Short);
         assert_eq!(class_by(&printed(), 0.1, &van), SurfaceClass::Tall);
         assert_eq!(class_by(&printed(), 0.0, &column(-1.73, 0.67)), SurfaceClass::Short);
     }
 
     #[test]
     fn as_printed_a_flat_cell_is_ground_if_those_around_it_are() {
-        let mut params = HierarchicalParams::shipped();
+        let mut params = HierarchicalParams::shipped().front_end();
         // The boot of a car, and no road below it.
         let boot: Vec<[f32; 3]> = (0..9).map(|it| [8.8 + 0.05 * it as f32, 3.0, -0.9]).collect();
-        let hole = |params: &HierarchicalParams| class_over_hole(params, &boot);
+        let hole = |params: &FrontEndParams| class_over_hole(params, &boot);
         assert_eq!(hole(&params), SurfaceClass::Short);
         params.ground.low_itself = false;
         assert_eq!(hole(&params), SurfaceClass::Ground);
@@ -195,19 +196,19 @@ mod tests {
 
     #[test]
     fn as_printed_few_points_are_clutter_at_every_range() {
-        let far = |params: &HierarchicalParams, n_points: usize| class_of_lone_cell(params, n_points, 50.0);
+        let far = |params: &FrontEndParams, n_points: usize| class_of_lone_cell(params, n_points, 50.0);
         assert_eq!(far(&printed(), 4), SurfaceClass::Clutter);
         assert_eq!(far(&printed(), 5), SurfaceClass::Short);
     }
 
     /// The class of the only occupied cell, `x_m` in front of the sensor, with `n_points` one above the other.
     fn class_alone(n_points: usize, x_m: f32, weighted: bool) -> SurfaceClass {
-        let mut params = HierarchicalParams::shipped();
+        let mut params = HierarchicalParams::shipped().front_end();
         params.density_weighting.enabled = weighted;
         class_of_lone_cell(&params, n_points, x_m)
     }
 
-    fn class_of_lone_cell(params: &HierarchicalParams, n_points: usize, x_m: f32) -> SurfaceClass {
+    fn class_of_lone_cell(params: &FrontEndParams, n_points: usize, x_m: f32) -> SurfaceClass {
         let mut grid = HierarchicalGrid::new(params.grid.clone());
         grid.fill(&(0..n_points).map(|it| [x_m, 0.1, it as f32 * 0.1 - 1.0]).collect());
         let terrain = Terrain::new(params.terrain.clone(), &grid, 1.73);
@@ -217,7 +218,7 @@ mod tests {
     }
 
     /// The class of the cell around (9.0, 3.0) of a level road that has these points there and no others.
-    fn class_over_hole(params: &HierarchicalParams, points_m: &[[f32; 3]]) -> SurfaceClass {
+    fn class_over_hole(params: &FrontEndParams, points_m: &[[f32; 3]]) -> SurfaceClass {
         let column_and_row = |[x, y, _]: [f32; 3]| {
             [x, y].map(|it| ((it + params.grid.extent_m) / params.grid.cell_size_m) as i32)
         };

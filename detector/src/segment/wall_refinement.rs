@@ -327,6 +327,7 @@ mod tests {
     use super::*;
     use crate::PointCloud;
     use crate::params::HierarchicalParams;
+    use crate::params::front_end::FrontEndParams;
     use crate::params::paper::PaperParams;
     use crate::segment::drawn_ground::{SENSOR_HEIGHT_M, class_around, road, segmented};
 
@@ -369,17 +370,17 @@ mod tests {
 
         /// The class of the cell around `position_m` with walls refined.
         fn class_at(&self, position_m: [f32; 2], enabled: bool) -> SurfaceClass {
-            let mut params = HierarchicalParams::shipped();
+            let mut params = HierarchicalParams::shipped().front_end();
             params.walls.enabled = enabled;
             self.class_by(&params, position_m)
         }
 
         /// The class of the cell around `position_m` with walls as the paper prints them.
         fn printed_class_at(&self, position_m: [f32; 2]) -> SurfaceClass {
-            self.class_by(&PaperParams::shipped().stages(&HierarchicalParams::shipped()), position_m)
+            self.class_by(&PaperParams::shipped().front_end(&HierarchicalParams::shipped()), position_m)
         }
 
-        fn class_by(&self, params: &HierarchicalParams, position_m: [f32; 2]) -> SurfaceClass {
+        fn class_by(&self, params: &FrontEndParams, position_m: [f32; 2]) -> SurfaceClass {
             self.class_refined(params, position_m, |walls, (grid, terrain), classes| {
                 walls.refine(grid, terrain, classes);
             })
@@ -388,7 +389,7 @@ mod tests {
         /// The class of the cell around `position_m` if all cells in front of `from_x_m` hang over the street.
         fn class_if_hanging(&self, position_m: [f32; 2], from_x_m: f32) -> SurfaceClass {
             self.class_refined(
-                &HierarchicalParams::shipped(),
+                &HierarchicalParams::shipped().front_end(),
                 position_m,
                 |walls, (grid, terrain), classes| {
                     walls.refine_on_walls(grid, terrain, |it| grid.center_m(it)[0] > from_x_m, classes);
@@ -398,7 +399,7 @@ mod tests {
 
         fn class_refined(
             &self,
-            params: &HierarchicalParams,
+            params: &FrontEndParams,
             position_m: [f32; 2],
             refine: impl Fn(&mut WallRefinement, (&HierarchicalGrid, &Terrain), &mut [SurfaceClass]),
         ) -> SurfaceClass {
@@ -468,7 +469,7 @@ mod tests {
     #[test]
     fn what_reaches_the_upper_end_of_the_view_is_cut_off() {
         let street = Drawing::road().surface([-12.0, 9.1], [12.0, 9.1], 12.0);
-        let params = HierarchicalParams::shipped();
+        let params = HierarchicalParams::shipped().front_end();
         street.class_refined(&params, [3.1, 9.1], |walls, (grid, terrain), classes| {
             assert!(!walls.is_cut_off(10.0, 5.0), "nothing was seen yet");
             walls.refine(grid, terrain, classes);
@@ -480,7 +481,7 @@ mod tests {
         let cars = Drawing::road().surface([-12.0, 7.1], [12.0, 7.1], 1.5);
         for street in [&cars.clone(), &cars.surface([9.1, -4.1], [9.2, -4.1], 3.0)] {
             street.class_refined(
-                &HierarchicalParams::shipped(),
+                &HierarchicalParams::shipped().front_end(),
                 [3.1, 7.1],
                 |walls, (grid, terrain), classes| {
                     walls.refine(grid, terrain, classes);
@@ -494,7 +495,7 @@ mod tests {
     fn a_cell_knows_how_long_its_wall_is() {
         let street = Drawing::road().surface([-12.0, 9.1], [12.0, 9.1], 12.0);
         street.class_refined(
-            &HierarchicalParams::shipped(),
+            &HierarchicalParams::shipped().front_end(),
             [3.1, 9.1],
             |walls, (grid, terrain), classes| {
                 let cell_at = |position_m| {

@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use detector::params::HierarchicalParams;
+use detector::params::front_end::FrontEndParams;
 use detector::segment::ground_segmentation::HeightOver;
 use detector::surface_class::SurfaceClass;
 
@@ -13,7 +13,7 @@ use super::terrain::Terrain;
 pub fn cell_classes(
     cells: &BTreeMap<Cell, CellPoints>,
     terrain: &Terrain,
-    params: &HierarchicalParams,
+    params: &FrontEndParams,
     sensor_height_m: f32,
 ) -> BTreeMap<Cell, SurfaceClass> {
     let class_of = |(&cell, points): (&Cell, &CellPoints)| {

@@ -16,7 +16,7 @@ pub fn complete(
     objects: &mut [(Vec<u32>, OrientedBox)],
 ) {
     let cells: BTreeMap<Cell, CellPoints> = coarse_cells(cloud, &params.grid);
-    let terrain = &Terrain::grown(&cells, params, sensor_height_m);
+    let terrain = &Terrain::grown(&cells, &params.front_end(), sensor_height_m);
     let taken: BTreeSet<u32> = objects.iter().flat_map(|it| it.0.clone()).collect();
     let boxes: Vec<OrientedBox> = objects.iter().map(|it| it.1).collect();
     let mut free: Vec<u32> = cells.values().flat_map(|it| it.point_indices.clone()).collect();

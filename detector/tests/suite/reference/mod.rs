@@ -14,21 +14,24 @@ mod boxes;
 pub mod completion;
 pub mod twins;
 
-use detector::classify::size_gate::size_gate;
+use detector::classify::size_gate::{SizeGateParams, size_gate};
 use detector::params::HierarchicalParams;
+use detector::params::front_end::FrontEndParams;
 use detector::params::paper::PaperParams;
 use detector::surface_class::SurfaceClass;
 use detector::{DetectedClass, OrientedBox, PointCloud};
 
-/// The parameters of the detector of the papers, and what its stages make of them.
+/// The parameters of the detector of the papers.
 pub struct Params {
     pub of_papers: PaperParams,
-    pub stages: HierarchicalParams,
+    pub front_end: FrontEndParams,
+    pub vehicle_size: SizeGateParams,
 }
 
 impl Params {
     pub fn new(of_papers: PaperParams, of_sensor: &HierarchicalParams) -> Self {
-        Self { stages: of_papers.stages(of_sensor), of_papers }
+        let (front_end, vehicle_size) = (of_papers.front_end(of_sensor), of_sensor.vehicle_size.clone());
+        Self { of_papers, front_end, vehicle_size }
     }
 }
 
@@ -57,7 +60,7 @@ pub struct FoundObject {
 
 /// Finds the objects of `cloud`.
 pub fn detect(cloud: &PointCloud, all: &Params, sensor_height_m: f32) -> Found {
-    let params = &all.stages;
+    let params = &all.front_end;
     let cells = cells::coarse_cells(cloud, &params.grid);
     let terrain = terrain::Terrain::grown(&cells, params, sensor_height_m);
     let classes = classes::cell_classes(&cells, &terrain, params, sensor_height_m);
@@ -65,11 +68,12 @@ pub fn detect(cloud: &PointCloud, all: &Params, sensor_height_m: f32) -> Found {
     let foreground = foreground::foreground(cloud, &cells, &classes, &terrain, &params.foreground);
     let links = merge::links(cloud, &foreground, &all.of_papers.merge);
     let separated = separation::separate(cloud, &foreground, &links, all);
-    let large = separated.clusters.iter().filter(|cluster| cluster.points.len() >= params.cluster.min_points);
+    let large =
+        separated.clusters.iter().filter(|cluster| cluster.points.len() >= all.of_papers.cluster.min_points);
     let objects = large.map(|cluster| {
         let point_indices = cluster.points.clone();
         let (bounding_box, hull_m) = boxes::bounding_box(cloud, cluster);
-        let class = size_gate(point_indices.len(), &bounding_box, &params.vehicle_size);
+        let class = size_gate(point_indices.len(), &bounding_box, &all.vehicle_size);
         FoundObject { point_indices, bounding_box, hull_m, class }
     });
     Found {

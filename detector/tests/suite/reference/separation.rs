@@ -44,7 +44,7 @@ pub fn separate(
     for (&coarse, points) in foreground {
         let mut points_of_dense: BTreeMap<Cell, Vec<u32>> = BTreeMap::new();
         for &point_idx in points {
-            let dense = dense_cell(coarse, cloud.position_m(point_idx as usize), &params.stages.grid);
+            let dense = dense_cell(coarse, cloud.position_m(point_idx as usize), &params.front_end.grid);
             points_of_dense.entry(dense).or_default().push(point_idx);
         }
         push_parts(coarse, points_of_dense, params, &mut parts);
@@ -127,7 +127,11 @@ fn max_steps(coarse: Cell, params: &Params) -> u32 {
 }
 
 fn points_per_dense_cell(coarse: Cell, params: &Params) -> f32 {
-    points_per_cell(coarse, params.stages.grid.cell_size_m / params.stages.grid.xi as f32, &params.stages)
+    points_per_cell(
+        coarse,
+        params.front_end.grid.cell_size_m / params.front_end.grid.xi as f32,
+        &params.front_end,
+    )
 }
 
 fn clusters(parts: Vec<Part>) -> Vec<Cluster> {

@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use detector::params::HierarchicalParams;
+use detector::params::front_end::FrontEndParams;
 use detector::segment::terrain::TerrainParams;
 
 use super::cells::{Cell, CellPoints};
@@ -24,11 +24,7 @@ struct Block {
 }
 
 impl Terrain {
-    pub fn grown(
-        cells: &BTreeMap<Cell, CellPoints>,
-        params: &HierarchicalParams,
-        sensor_height_m: f32,
-    ) -> Self {
+    pub fn grown(cells: &BTreeMap<Cell, CellPoints>, params: &FrontEndParams, sensor_height_m: f32) -> Self {
         let n_columns = (2.0 * params.grid.extent_m / params.grid.cell_size_m) as i32 + 1 + 2;
         let block_cells = params.terrain.block_cells as i32;
         let n_block_columns = (n_columns + block_cells - 1) / block_cells;

@@ -44,7 +44,7 @@ impl Twins {
             assert_eq!(found, expected, "an object of {name}");
         }
         let too_small =
-            expected.clusters.iter().map(Vec::len).filter(|&n| n < self.params.stages.cluster.min_points);
+            expected.clusters.iter().map(Vec::len).filter(|&n| n < self.params.of_papers.cluster.min_points);
         assert!(self.output.dropped_clusters.iter().map(|it| it.n_points).eq(too_small), "drops of {name}");
         found.objects.len()
     }

@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 
 use detector::PointCloud;
 use detector::grid::hierarchical_grid::HierarchicalGrid;
-use detector::params::HierarchicalParams;
+use detector::params::front_end::FrontEndParams;
 use detector::segment::terrain::Terrain;
 use detector::segment::wall_refinement::WallRefinement;
 use detector::surface_class::SurfaceClass;
@@ -16,7 +16,7 @@ use super::cells::Cell;
 pub fn refine(
     cloud: &PointCloud,
     classes: BTreeMap<Cell, SurfaceClass>,
-    params: &HierarchicalParams,
+    params: &FrontEndParams,
     sensor_height_m: f32,
 ) -> BTreeMap<Cell, SurfaceClass> {
     let mut grid = HierarchicalGrid::new(params.grid.clone());

@@ -42,7 +42,7 @@ pub fn scan() -> LabeledScan {
 
 /// Frame of the stages up to the foreground after the scan.
 pub fn frame() -> Frame<Foreground> {
-    let mut stages = foreground(&HierarchicalParams::shipped(), SENSOR_HEIGHT_M);
+    let mut stages = foreground(&HierarchicalParams::shipped().front_end(), SENSOR_HEIGHT_M);
     stages.detect(&cloud(), &mut DetectorOutput::default());
     stages.frame
 }

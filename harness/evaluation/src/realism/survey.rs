@@ -40,7 +40,7 @@ pub struct SurveyedScan {
 ///
 /// As [`ScanPass::over`] says.
 pub fn survey(pass: ScanPass<'_>) -> Result<Vec<SurveyedScan>, ScanPassError> {
-    let mut params = HierarchicalParams::shipped();
+    let mut params = HierarchicalParams::shipped().front_end();
     // A density curve belongs to one sensor, so clutter is not judged by one here.
     params.density_weighting.enabled = false;
     let sensor_height_m = pass.dataset.description().sensor_height_m;

@@ -254,7 +254,7 @@ mod tests {
         }
         // With all of them the stages up to the foreground are those of the method.
         let all = &built_up[STEPS.len()].config;
-        let stages = all.paper.stages(&config.hierarchical);
+        let stages = all.paper.front_end(&config.hierarchical);
         let HierarchicalParams { ground, walls, foreground, .. } = &config.hierarchical;
         assert_eq!((&stages.ground, &stages.walls, &stages.foreground), (ground, walls, foreground));
         let [.., last] = built_up else { unreachable!("there are some") };

@@ -93,7 +93,7 @@ impl ForeignVehicles {
         Self {
             size: params.vehicle_size.clone(),
             hull_fit: ConvexHullBox::default(),
-            foreground: foreground(params, sensor_height_m),
+            foreground: foreground(&params.front_end(), sensor_height_m),
             by_model: None,
             boxes: ReportedBoxes::new(params.boxes).with_model(box_model),
             fitted: DetectorOutput::default(),

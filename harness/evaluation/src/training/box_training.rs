@@ -91,8 +91,10 @@ pub fn collect_road_users(
     matching: &MatchingParams,
 ) -> Result<Vec<RoadUserExample>, ScanPassError> {
     let description = pass.dataset.description();
-    let new_looker =
-        || Looker { foreground: foreground(params, description.sensor_height_m), detectors: new_detectors() };
+    let new_looker = || Looker {
+        foreground: foreground(&params.front_end(), description.sensor_height_m),
+        detectors: new_detectors(),
+    };
     let look = |looker: &mut Looker, PassedScan { scan, .. }: PassedScan<'_>| {
         looker.foreground.detect(&scan.cloud, &mut DetectorOutput::default());
         let mut found = Vec::new();

@@ -73,7 +73,7 @@ pub fn collect_candidates<T: Send>(
 ) -> Result<Vec<T>, ScanPassError> {
     let sensor_height_m = pass.dataset.description().sensor_height_m;
     let new_state = || {
-        let ground = foreground(source.ground, sensor_height_m);
+        let ground = foreground(&source.ground.front_end(), sensor_height_m);
         ((source.new_detector)(), ground, ObjectRaster::new(source.ground.grid.extent_m))
     };
     let of_scan = |(detector, ground, raster): &mut State, PassedScan { scan_idx, scan }: PassedScan<'_>| {

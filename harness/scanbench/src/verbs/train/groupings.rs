@@ -62,7 +62,7 @@ pub fn train_groupings(arguments: &TreeTrainingArgs) -> Result<(), Failure> {
     let unnamed = format!("{}-train-{}", compact_utc(started), ids_of(&data.trained));
     let directory = RunDirectory::begin(claim_unnamed(named, &unnamed, LatestPointer::Leave)?)?;
     let by_gaps = |_: &str, params: &HierarchicalParams, height_m| {
-        grouping(Frame::new(Groups::by_gaps(params), params, height_m), params)
+        grouping(Frame::new(Groups::by_gaps(params), &params.front_end(), height_m), params)
     };
     let scans = groups_of_all(&data, &library, &by_gaps, interrupted)?;
     let rounds = data.config.hierarchical.grouping.rounds;
