@@ -339,7 +339,7 @@ mod tests {
             params.ground.tall_height_m,
         );
         candidates.find_hanging(&cloud, &grid, &terrain, &mut classes);
-        walls.refine_on_walls(&grid, &terrain, |it| candidates.hangs(it), &mut classes);
+        walls.refine_on_walls(&grid, &terrain, &|it| candidates.hangs(it), &mut classes);
         candidates.find(&cloud, &grid, &classes, &walls);
         (cloud, grid, candidates)
     }

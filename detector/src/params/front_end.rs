@@ -7,7 +7,7 @@ use crate::grid::hierarchical_grid::GridParams;
 use crate::segment::foreground::ForegroundParams;
 use crate::segment::ground_segmentation::GroundSegmentationParams;
 use crate::segment::terrain::TerrainParams;
-use crate::segment::wall_refinement::WallRefinementParams;
+use crate::segment::wall_params::WallRefinementParams;
 
 /// Parameters of the stages from the grid to the foreground, which all detectors over a grid have.
 ///

@@ -22,7 +22,7 @@ use crate::road_user::{RoadUserOdds, RoadUserRule};
 use crate::segment::foreground::ForegroundParams;
 use crate::segment::ground_segmentation::GroundSegmentationParams;
 use crate::segment::terrain::TerrainParams;
-use crate::segment::wall_refinement::WallRefinementParams;
+use crate::segment::wall_params::WallRefinementParams;
 use crate::whole::reported_boxes::BoxParams;
 
 /// Parameters of every stage. `params/hierarchical.toml` explains the values.

@@ -48,7 +48,7 @@ struct StandingWalls;
 impl Stage<Groups> for StandingWalls {
     fn run(&mut self, _: &PointCloud, frame: &mut Frame<Groups>, _: &mut DetectorOutput) {
         let Frame { grid, terrain, classes, walls, clustering: groups, .. } = frame;
-        walls.refine_on_walls(grid, terrain, |it| groups.candidates.hangs(it), classes);
+        walls.refine_on_walls(grid, terrain, &|it| groups.candidates.hangs(it), classes);
     }
 
     fn products(&self, _: &PointCloud, frame: &Frame<Groups>) -> Vec<StageProduct> {

@@ -1,106 +1,37 @@
-//! Façades that the sensor sees only the lower part of, found as long straight lines of cells.
-
-use serde::Deserialize;
+//! Turns cells of façades into tall ones.
 
 use crate::grid::hierarchical_grid::HierarchicalGrid;
-use crate::portable_math::single;
-use crate::segment::hough_lines::{HoughLines, HoughParams, Segment};
+use crate::segment::cut_off_walls::CutOffWalls;
+use crate::segment::hough_lines::Segment;
+use crate::segment::printed_walls::PrintedWalls;
 use crate::segment::terrain::Terrain;
-use crate::segment::wall_segments::{
-    Shadow, cell_at, center_m, corridor, ground_behind_share, support_share,
-};
+use crate::segment::wall_params::WallRefinementParams;
+use crate::segment::walls::{WallFinder, WallScene, Walls};
 use crate::surface_class::SurfaceClass;
 
-/// Tuning of [`WallRefinement::refine`].
-#[derive(Debug, Clone, PartialEq, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct WallRefinementParams {
-    /// Whether walls are looked for at all.
-    pub enabled: bool,
-    /// Whether walls are found as the paper prints it. `min_height_m`, `ceiling_margin_deg`, `min_standing` and
-    /// `max_ground_behind` are not used then.
-    pub as_printed: bool,
-    /// Whether the cells beside a segment become tall, too, where walls are found as printed.
-    pub beside: bool,
-    /// Least height above the terrain of a cell that may support a wall, in metres: above the roofs of cars.
-    pub min_height_m: f32,
-    /// How far below the top of the field of view, in degrees, a cell still counts as cut off by it.
-    pub ceiling_margin_deg: f32,
-    /// Least share of a segment's length along which cells support a wall.
-    pub min_support: f32,
-    /// Least share of a segment's length along which cells support a wall and do not hang over the street. Hanging cells are
-    /// known only where cells are looked into, for the tree of groupings.
-    pub min_standing: f32,
-    /// Greatest share of a segment's length behind which ground is seen: a wall hides it, rain and rows of trunks do not.
-    pub max_ground_behind: f32,
-    /// How the segments are found.
-    pub hough: HoughParams,
-}
-
-/// Turns the short cells of walls into tall ones.
-///
-/// Near the sensor no beam reaches the height at which a cell is tall: 3.1 m with the topmost beam at +2° and 1.73 m
-/// above the road is 39 m away. A near façade is only known to go on up to the topmost beam: a cell that is tall, or higher
-/// than cars and *cut off* by the upper end of the field of view, supports a wall. Segments are found among the supporting
-/// cells, so a row of parked cars makes none however straight it is; the short cells on a segment become tall whether they
-/// support it or not.
-///
-/// With [`WallRefinementParams::as_printed`] segments are found among all tall and short cells. The paper takes each for a
-/// wall, a row of parked cars, too; here enough of its cells have to be tall.
+/// Turns the short cells of walls into tall ones, by [`CutOffWalls`] or, as printed, by [`PrintedWalls`].
 ///
 /// Paper: HG section 3.1, refinement by a probabilistic Hough transform, and Fig. 3.
-#[derive(Debug, Clone)]
+#[derive(Debug)]
 pub struct WallRefinement {
     params: WallRefinementParams,
-    lines: HoughLines,
-    rises: Vec<f32>,
-    // Rise over range from which on the upper end of the field of view cuts a cell off.
-    least_cut_off: f32,
-    // For every cell: 1 where it supports a wall.
-    supports: Vec<u32>,
-    is_support: Vec<bool>,
-    walls: Vec<Segment>,
-    shadows: Vec<Shadow>,
-    // For every step along every wall, one behind the other, whether a cell there or beside it bears the wall.
-    borne: Vec<bool>,
-    // Cells that became tall and whose neighbours are not processed yet.
-    front: Vec<u32>,
-    // For every cell the length of the longest wall that it lies on, in metres; those of an earlier scan are in the list.
-    wall_length_m: Vec<f32>,
-    on_walls: Vec<u32>,
-    taken: Vec<u32>,
+    walls: Walls,
+    // None if walls are not looked for.
+    finder: Option<Box<dyn WallFinder>>,
 }
-
-/// Cells nearer than this, in metres, say little about the top of the field of view: their size is too large an angle.
-const MIN_RANGE_OF_CEILING_M: f32 = 8.0;
-
-/// The rise of the field of view's upper end is this quantile of the rises of the cells' highest points.
-const CEILING_QUANTILE: f32 = 0.99;
-
-/// The upper end of the field of view is known if it cuts off this share of the standing cells beyond
-/// [`MIN_RANGE_OF_CEILING_M`], counting only cells higher than cars as cut off.
-const LEAST_CUT_OFF_SHARE: f32 = 0.1;
 
 impl WallRefinement {
     /// A refinement of the classes of grids of the geometry of `grid`.
     pub fn new(params: WallRefinementParams, grid: &HierarchicalGrid) -> Self {
-        let lines = HoughLines::new(params.hough.clone(), grid.n_columns());
-        let is_support = vec![false; grid.cells().len()];
-        Self {
-            params,
-            lines,
-            rises: Vec::new(),
-            least_cut_off: f32::INFINITY,
-            supports: Vec::new(),
-            is_support,
-            walls: Vec::new(),
-            shadows: Vec::new(),
-            borne: Vec::new(),
-            front: Vec::new(),
-            wall_length_m: vec![0.0; grid.cells().len()],
-            on_walls: Vec::new(),
-            taken: Vec::new(),
-        }
+        let finder = params.enabled.then(|| -> Box<dyn WallFinder> {
+            if params.as_printed {
+                let WallRefinementParams { hough, min_support, beside, .. } = params.clone();
+                Box::new(PrintedWalls::new(hough, min_support, beside, grid))
+            } else {
+                Box::new(CutOffWalls::new(params.clone(), grid))
+            }
+        });
+        Self { params, walls: Walls::new(grid.cells().len()), finder }
     }
 
     /// The parameters.
@@ -110,8 +41,14 @@ impl WallRefinement {
 
     /// Turns the short cells among `classes` that lie on walls, or behind one, into tall ones.
     pub fn refine(&mut self, grid: &HierarchicalGrid, terrain: &Terrain, classes: &mut [SurfaceClass]) {
-        self.refine_on_walls(grid, terrain, |_| false, classes);
-        self.clear_behind(grid, classes);
+        self.refine_on_walls(grid, terrain, &|_| false, classes);
+        // What is seen through windows and doors stands in no street.
+        for &cell_idx in grid.occupied() {
+            let is_short = classes[cell_idx as usize] == SurfaceClass::Short;
+            if is_short && self.walls.hide(grid.center_m(cell_idx)) {
+                self.walls.turn_tall(classes, cell_idx);
+            }
+        }
     }
 
     /// Turns the short cells among `classes` that lie on walls into tall ones. Cells that hang over the street, such as
@@ -120,206 +57,41 @@ impl WallRefinement {
         &mut self,
         grid: &HierarchicalGrid,
         terrain: &Terrain,
-        hangs: impl Fn(u32) -> bool,
+        hangs: &dyn Fn(u32) -> bool,
         classes: &mut [SurfaceClass],
     ) {
         self.walls.clear();
-        self.shadows.clear();
-        self.borne.clear();
-        self.taken.clear();
-        for cell_idx in self.on_walls.drain(..) {
-            self.wall_length_m[cell_idx as usize] = 0.0;
-        }
-        self.least_cut_off = f32::INFINITY;
-        if !self.params.enabled {
-            return;
-        }
-        if self.params.as_printed {
-            self.refine_as_printed(grid, classes);
-            return;
-        }
-        self.find_supports(grid, terrain, classes);
-        let segments = self.lines.find(&self.supports);
-        for &segment in segments {
-            if support_share(segment, grid, |it| self.is_support[it as usize]) >= self.params.min_support
-                && support_share(segment, grid, |it| self.is_support[it as usize] && !hangs(it))
-                    >= self.params.min_standing
-                && ground_behind_share(segment, grid, classes) <= self.params.max_ground_behind
-            {
-                self.walls.push(segment);
-                self.shadows.push(Shadow::of(segment, grid, &self.is_support, &mut self.borne));
-            }
-        }
-        self.front.clear();
-        let walls = std::mem::take(&mut self.walls);
-        for &segment in &walls {
-            for cells in corridor(segment) {
-                let [on, sides @ ..] = cells.map(|it| cell_at(grid, it));
-                let Some(on) = on else { continue };
-                self.turn_tall(classes, on);
-                self.front.push(on);
-                for beside in sides.into_iter().flatten() {
-                    // Cells right behind a wall are seen through its windows.
-                    if self.is_support[beside as usize] || range_m(grid, beside) > range_m(grid, on) {
-                        let turned = self.turn_tall(classes, beside);
-                        self.front.extend(turned);
-                    }
-                }
-            }
-        }
-        self.walls = walls;
-        self.spread(grid, classes);
-        self.measure(grid);
-    }
-
-    /// Segments among all tall and short cells are walls if enough of their cells are tall; their short cells become tall.
-    fn refine_as_printed(&mut self, grid: &HierarchicalGrid, classes: &mut [SurfaceClass]) {
-        for &cell_idx in &self.supports {
-            self.is_support[cell_idx as usize] = false;
-        }
-        self.supports.clear();
-        for &cell_idx in grid.occupied() {
-            let class = classes[cell_idx as usize];
-            if matches!(class, SurfaceClass::Tall | SurfaceClass::Short) {
-                self.supports.push(cell_idx);
-                self.is_support[cell_idx as usize] = class == SurfaceClass::Tall;
-            }
-        }
-        for &segment in self.lines.find(&self.supports) {
-            if support_share(segment, grid, |it| self.is_support[it as usize]) >= self.params.min_support {
-                self.walls.push(segment);
-            }
-        }
-        // After all were judged, so that the order of the segments does not matter.
-        let walls = std::mem::take(&mut self.walls);
-        for &segment in &walls {
-            let n_across = if self.params.beside { 3 } else { 1 };
-            let cells = corridor(segment).flat_map(|across| across.into_iter().take(n_across));
-            for cell_idx in cells.filter_map(|it| cell_at(grid, it)) {
-                self.turn_tall(classes, cell_idx);
-            }
-        }
-        self.walls = walls;
-        self.measure(grid);
-    }
-
-    /// Records for every cell on a wall the length of the wall.
-    fn measure(&mut self, grid: &HierarchicalGrid) {
-        for &segment in &self.walls {
-            let [start_m, end_m] = [segment.start, segment.end].map(|position| center_m(grid, position));
-            let length_m = single::hypot(end_m[0] - start_m[0], end_m[1] - start_m[1]);
-            for cell_idx in corridor(segment).flatten().filter_map(|it| cell_at(grid, it)) {
-                let longest_m = &mut self.wall_length_m[cell_idx as usize];
-                *longest_m = longest_m.max(length_m);
-                self.on_walls.push(cell_idx);
-            }
+        if let Some(finder) = &mut self.finder {
+            finder.find(&WallScene { grid, terrain, hangs }, classes, &mut self.walls);
         }
     }
 
-    /// Turns short cells behind a wall into tall ones: they are seen through windows and doors, and stand in no street.
-    fn clear_behind(&mut self, grid: &HierarchicalGrid, classes: &mut [SurfaceClass]) {
-        for &cell_idx in grid.occupied() {
-            let is_short = classes[cell_idx as usize] == SurfaceClass::Short;
-            if is_short && self.is_behind_wall(grid.center_m(cell_idx)) {
-                self.turn_tall(classes, cell_idx);
-            }
-        }
-    }
-
-    /// Whether a wall of the latest scan hides this position of the ground plan from the sensor. The gaps of a wall, where
-    /// no cell bears it, hide nothing.
+    /// Whether a wall of the latest scan hides this position of the ground plan from the sensor.
     pub fn is_behind_wall(&self, position_m: [f32; 2]) -> bool {
-        self.shadows.iter().any(|it| it.covers(position_m, &self.borne))
+        self.walls.hide(position_m)
     }
 
     /// Whether the upper end of the field of view of the latest scan cuts off things that reach this height over the sensor
     /// at this range, both in metres. `false` if that end is not known, or walls are not looked for.
     pub fn is_cut_off(&self, range_m: f32, top_m: f32) -> bool {
-        top_m >= self.least_cut_off * range_m
-    }
-
-    /// Extends walls to bays, reliefs and side walls: a cell that supports a wall and touches one is wall.
-    fn spread(&mut self, grid: &HierarchicalGrid, classes: &mut [SurfaceClass]) {
-        while let Some(cell_idx) = self.front.pop() {
-            for neighbor_idx in grid.neighborhood(cell_idx) {
-                if self.is_support[neighbor_idx as usize] {
-                    let turned = self.turn_tall(classes, neighbor_idx);
-                    self.front.extend(turned);
-                }
-            }
-        }
+        self.finder.as_ref().is_some_and(|it| it.is_cut_off(range_m, top_m))
     }
 
     /// The length of the longest wall of the latest scan on which a cell lies, or beside which, in metres; 0 for other
     /// cells.
     pub fn length_of_wall_m(&self, cell_idx: u32) -> f32 {
-        self.wall_length_m[cell_idx as usize]
-    }
-
-    /// Turns a short cell into a tall one; `None` if it is not short.
-    fn turn_tall(&mut self, classes: &mut [SurfaceClass], cell_idx: u32) -> Option<u32> {
-        let class = &mut classes[cell_idx as usize];
-        (*class == SurfaceClass::Short).then(|| {
-            *class = SurfaceClass::Tall;
-            self.taken.push(cell_idx);
-            cell_idx
-        })
+        self.walls.length_m(cell_idx)
     }
 
     /// The cells of the latest scan that were short and became tall.
     pub fn taken(&self) -> &[u32] {
-        &self.taken
+        self.walls.taken()
     }
 
     /// The walls of the latest scan.
     pub fn walls(&self) -> &[Segment] {
-        &self.walls
+        self.walls.segments()
     }
-
-    fn find_supports(&mut self, grid: &HierarchicalGrid, terrain: &Terrain, classes: &[SurfaceClass]) {
-        for &cell_idx in &self.supports {
-            self.is_support[cell_idx as usize] = false;
-        }
-        self.supports.clear();
-        let standing =
-            |cell_idx: u32| matches!(classes[cell_idx as usize], SurfaceClass::Tall | SurfaceClass::Short);
-        self.rises.clear();
-        for &cell_idx in grid.occupied().iter().filter(|&&it| standing(it)) {
-            let range_m = range_m(grid, cell_idx);
-            if range_m >= MIN_RANGE_OF_CEILING_M {
-                self.rises.push(grid.cells()[cell_idx as usize].z_max_m / range_m);
-            }
-        }
-        if self.rises.is_empty() {
-            return;
-        }
-        let rank = (CEILING_QUANTILE * self.rises.len() as f32) as usize;
-        let (_, &mut ceiling, _) = self.rises.select_nth_unstable_by(rank, f32::total_cmp);
-        let mut n_cut_off = 0;
-        self.least_cut_off =
-            single::tan(single::atan2(ceiling, 1.0) - self.params.ceiling_margin_deg.to_radians());
-        for &cell_idx in grid.occupied().iter().filter(|&&it| standing(it)) {
-            let cell = &grid.cells()[cell_idx as usize];
-            let height_m = cell.z_max_m - terrain.elevation_m(grid.column_and_row(cell_idx));
-            let tall = classes[cell_idx as usize] == SurfaceClass::Tall;
-            let is_cut_off = height_m >= self.params.min_height_m
-                && self.is_cut_off(range_m(grid, cell_idx), cell.z_max_m);
-            n_cut_off += usize::from(is_cut_off && range_m(grid, cell_idx) >= MIN_RANGE_OF_CEILING_M);
-            if tall || is_cut_off {
-                self.supports.push(cell_idx);
-                self.is_support[cell_idx as usize] = true;
-            }
-        }
-        if (n_cut_off as f32) < LEAST_CUT_OFF_SHARE * self.rises.len() as f32 {
-            // Too little is seen up there: the cells that are highest for their range may well end there.
-            self.least_cut_off = f32::INFINITY;
-        }
-    }
-}
-
-fn range_m(grid: &HierarchicalGrid, cell_idx: u32) -> f32 {
-    let [x, y] = grid.center_m(cell_idx);
-    single::hypot(x, y)
 }
 
 #[cfg(test)]
@@ -329,6 +101,7 @@ mod tests {
     use crate::params::HierarchicalParams;
     use crate::params::front_end::FrontEndParams;
     use crate::params::paper::PaperParams;
+    use crate::portable_math::single;
     use crate::segment::drawn_ground::{SENSOR_HEIGHT_M, class_around, road, segmented};
 
     /// The rise of the topmost beam, as tangent.
@@ -392,7 +165,7 @@ mod tests {
                 &HierarchicalParams::shipped().front_end(),
                 position_m,
                 |walls, (grid, terrain), classes| {
-                    walls.refine_on_walls(grid, terrain, |it| grid.center_m(it)[0] > from_x_m, classes);
+                    walls.refine_on_walls(grid, terrain, &|it| grid.center_m(it)[0] > from_x_m, classes);
                 },
             )
         }
