@@ -1,15 +1,13 @@
 //! The classes of the coarse cells around an object.
 
+use crate::describe::cells_near::{BoxPlan, CellCount, CellsNear, N_ABREAST};
 use crate::grid::hierarchical_grid::HierarchicalGrid;
 use crate::oriented_box::OrientedBox;
-use crate::portable_math::single;
 use crate::surface_class::SurfaceClass;
-use crate::vector_instructions::{HotLoop, vectorised};
+use crate::vector_instructions::vectorised;
 
 /// Cells whose centre is so far outside of a box, in metres, are around it.
 const REACH_M: [f32; 2] = [0.4, 2.2];
-/// Columns are rounded up to a multiple of this where there are as many, so that a vectorised loop leaves none over.
-const N_ABREAST: u32 = 16;
 
 /// Shares of the coarse cells around a box, by class.
 ///
@@ -28,26 +26,24 @@ pub struct CellsAround {
 impl CellsAround {
     /// The shares around `bounding_box` in a scan; `classes` are those of all cells of `grid`.
     pub fn of(bounding_box: &OrientedBox, grid: &HierarchicalGrid, classes: &[SurfaceClass]) -> Self {
-        let [center_x_m, center_y_m, _] = bounding_box.center_m;
-        let [half_length_m, half_width_m, _] = bounding_box.length_width_height_m.map(|it| 0.5 * it);
-        let (sin, cos) = single::sin_cos(bounding_box.yaw_rad);
-        let [long_m, wide_m] = [half_length_m + REACH_M[1], half_width_m + REACH_M[1]];
-        let [dx_m, dy_m] = [cos.abs() * long_m + sin.abs() * wide_m, sin.abs() * long_m + cos.abs() * wide_m];
+        let plan = BoxPlan::of(bounding_box);
+        let [center_x_m, center_y_m] = plan.center_m;
+        let [dx_m, dy_m] = plan.reach_m(REACH_M[1]);
         let first = grid.nearest_column_and_row([center_x_m - dx_m, center_y_m - dy_m]);
         let last = grid.nearest_column_and_row([center_x_m + dx_m, center_y_m + dy_m]);
         let n_columns = grid.n_columns();
-        // Cells out of reach do not count.
-        let n_abreast = (last[0] + 1 - first[0]).next_multiple_of(N_ABREAST).min(n_columns - first[0]);
-        let counts = vectorised(RingCount {
-            center_m: [center_x_m, center_y_m],
-            half_m: [half_length_m, half_width_m],
-            sin_cos: [sin, cos],
-            first_m: grid.center_m(first[1] * n_columns + first[0]),
-            cell_size_m: grid.params().cell_size_m,
+        let n_abreast = (last[0] + 1 - first[0]).next_multiple_of(N_ABREAST as u32).min(n_columns - first[0]);
+        let first_m = grid.center_m(first[1] * n_columns + first[0]);
+        let cell_size_m = grid.params().cell_size_m;
+        let counts = vectorised(CellsNear {
+            plan,
             rows: (first[1]..=last[1]).map(|row| {
                 let start = (row * n_columns + first[0]) as usize;
-                (row - first[1], &classes[start..start + n_abreast as usize])
+                let dy = first_m[1] + (row - first[1]) as f32 * cell_size_m - center_y_m;
+                (dy, &classes[start..start + n_abreast as usize])
             }),
+            dx: |column| first_m[0] + column as f32 * cell_size_m - center_x_m,
+            count: RingCount { center_m: plan.center_m, ..RingCount::default() },
         });
         let share = |n: u32, of: u32| n as f32 / of.max(1) as f32;
         Self {
@@ -60,7 +56,8 @@ impl CellsAround {
 
 /// Numbers of cells in a ring: all, those nearer than the middle of the box, and those by class.
 #[derive(Debug, Clone, Copy, Default)]
-struct Counts {
+struct RingCount {
+    center_m: [f32; 2],
     n: u32,
     n_before: u32,
     n_ground: u32,
@@ -68,44 +65,19 @@ struct Counts {
     n_tall: u32,
 }
 
-/// Counts the cells of a ring around a box.
-struct RingCount<Rows> {
-    center_m: [f32; 2],
-    half_m: [f32; 2],
-    sin_cos: [f32; 2],
-    /// The centre of the first cell of the first row.
-    first_m: [f32; 2],
-    cell_size_m: f32,
-    /// Each with its number, from the first on.
-    rows: Rows,
-}
-
-impl<'a, Rows: Iterator<Item = (u32, &'a [SurfaceClass])>> HotLoop for RingCount<Rows> {
-    type Output = Counts;
-
+impl CellCount<SurfaceClass> for RingCount {
     #[inline(always)]
-    fn run(self) -> Counts {
-        let Self { center_m, half_m, sin_cos: [sin, cos], first_m, cell_size_m, rows } = self;
+    fn add(&mut self, class: SurfaceClass, [beyond_m, beside_m]: [f32; 2], [dx, dy]: [f32; 2]) {
         let [near_m, far_m] = REACH_M;
-        let mut counts = Counts::default();
-        for (row, classes) in rows {
-            let dy = first_m[1] + row as f32 * cell_size_m - center_m[1];
-            for (&class, column) in classes.iter().zip(0_i32..) {
-                let dx = first_m[0] + column as f32 * cell_size_m - center_m[0];
-                let beyond_m = (cos * dx + sin * dy).abs() - half_m[0];
-                let beside_m = (cos * dy - sin * dx).abs() - half_m[1];
-                let is_out = beyond_m >= near_m || beside_m >= near_m;
-                let is_in_ring = is_out && beyond_m <= far_m && beside_m <= far_m;
-                let is_before = is_in_ring && (dx * center_m[0] + dy * center_m[1] < 0.0);
-                let is_ground = class == SurfaceClass::Ground;
-                counts.n += u32::from(is_in_ring);
-                counts.n_before += u32::from(is_before);
-                counts.n_ground += u32::from(is_in_ring && is_ground);
-                counts.n_ground_before += u32::from(is_before && is_ground);
-                counts.n_tall += u32::from(is_in_ring && (class == SurfaceClass::Tall));
-            }
-        }
-        counts
+        let is_out = beyond_m >= near_m || beside_m >= near_m;
+        let is_in_ring = is_out && beyond_m <= far_m && beside_m <= far_m;
+        let is_before = is_in_ring && (dx * self.center_m[0] + dy * self.center_m[1] < 0.0);
+        let is_ground = class == SurfaceClass::Ground;
+        self.n += u32::from(is_in_ring);
+        self.n_before += u32::from(is_before);
+        self.n_ground += u32::from(is_in_ring && is_ground);
+        self.n_ground_before += u32::from(is_before && is_ground);
+        self.n_tall += u32::from(is_in_ring && (class == SurfaceClass::Tall));
     }
 }
 

@@ -2,6 +2,7 @@
 
 // Which objects are described at all, and their surroundings.
 pub mod seen_size;
+mod cells_near;
 pub mod surroundings;
 pub mod cells_around;
 

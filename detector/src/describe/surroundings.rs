@@ -1,10 +1,8 @@
 //! The surroundings of an object.
 
-use std::ops::Range;
-
+use crate::describe::cells_near::{BoxPlan, CellCount, CellsNear, N_ABREAST};
 use crate::oriented_box::OrientedBox;
-use crate::portable_math::single;
-use crate::vector_instructions::{HotLoop, vectorised};
+use crate::vector_instructions::vectorised;
 
 /// Side of the cells of an [`ObjectRaster`], in metres.
 const CELL_M: f32 = 0.2;
@@ -12,8 +10,6 @@ const CELL_M: f32 = 0.2;
 const MARGIN_M: f32 = 0.15;
 /// Cells this far outside of a box are around it, in metres.
 const REACH_M: f32 = 0.65;
-/// Columns are rounded up to a multiple of this where there are as many, so that a vectorised loop leaves none over.
-const N_ABREAST: usize = 16;
 
 /// The ground below an object, and the points of other objects around it.
 ///
@@ -83,80 +79,48 @@ impl ObjectRaster {
 
     /// The surroundings of `bounding_box` above ground of elevation `ground_m`. No point within the box is counted.
     pub fn around(&self, bounding_box: &OrientedBox, ground_m: f32) -> Surroundings {
-        let [center_x_m, center_y_m, _] = bounding_box.center_m;
-        let [half_length_m, half_width_m, _] = bounding_box.length_width_height_m.map(|it| 0.5 * it);
-        let (sin, cos) = single::sin_cos(bounding_box.yaw_rad);
-        let [long_m, wide_m] = [half_length_m + REACH_M, half_width_m + REACH_M];
-        let reach_m = [cos.abs() * long_m + sin.abs() * wide_m, sin.abs() * long_m + cos.abs() * wide_m];
+        let plan = BoxPlan::of(bounding_box);
+        let [center_x_m, center_y_m] = plan.center_m;
+        let reach_m = plan.reach_m(REACH_M);
         let cells = |center_m: f32, reach_m: f32| {
             let column = |it: f32| ((it + self.half_side_m) / CELL_M).clamp(0.0, self.n_along_side as f32);
             column(center_m - reach_m) as usize..column(center_m + reach_m).ceil() as usize
         };
         let middle_m = |cell: usize| (cell as f32 + 0.5) * CELL_M - self.half_side_m;
         let columns = cells(center_x_m, reach_m[0]);
-        // Cells out of reach do not count.
         let n_columns = columns.len().next_multiple_of(N_ABREAST);
         let columns = columns.start..(columns.start + n_columns).min(self.n_along_side);
         let first_dx = middle_m(columns.start) - center_x_m;
-        let rows = cells(center_y_m, reach_m[1]);
-        let counts = RingCount {
-            ring: Ring { cos, sin, half_m: [half_length_m, half_width_m] },
-            first_dx,
-            dy: |row| middle_m(row) - center_y_m,
-            n_points: &self.n_points,
-            n_along_side: self.n_along_side,
-            rows,
-            columns,
-        };
-        let [n_beyond_ends, n_occupied, n_cells] = vectorised(counts);
-        let occupied_share = n_occupied as f32 / n_cells.max(1) as f32;
-        Surroundings { ground_m, n_beyond_ends, occupied_share }
+        let count = vectorised(CellsNear {
+            plan,
+            rows: cells(center_y_m, reach_m[1]).map(|row| {
+                let of_row = &self.n_points[row * self.n_along_side..];
+                (middle_m(row) - center_y_m, &of_row[columns.clone()])
+            }),
+            dx: |column| first_dx + CELL_M * column as f32,
+            count: RingCount::default(),
+        });
+        let occupied_share = count.n_occupied as f32 / count.n_cells.max(1) as f32;
+        Surroundings { ground_m, n_beyond_ends: count.n_beyond_ends, occupied_share }
     }
 }
 
-/// The ground around a box.
-#[derive(Debug, Clone, Copy)]
-struct Ring {
-    cos: f32,
-    sin: f32,
-    half_m: [f32; 2],
-}
-
 /// Counts in the ring: points beyond the ends, cells with points, and all cells.
-struct RingCount<'a, Dy> {
-    ring: Ring,
-    /// Along x from the centre of the box to that of the first cell, in metres.
-    first_dx: f32,
-    /// Along y from the centre of the box to that of a row, in metres.
-    dy: Dy,
-    n_points: &'a [u16],
-    n_along_side: usize,
-    rows: Range<usize>,
-    columns: Range<usize>,
+#[derive(Debug, Clone, Copy, Default)]
+struct RingCount {
+    n_beyond_ends: u32,
+    n_occupied: u32,
+    n_cells: u32,
 }
 
-impl<Dy: Fn(usize) -> f32> HotLoop for RingCount<'_, Dy> {
-    type Output = [u32; 3];
-
+impl CellCount<u16> for RingCount {
     #[inline(always)]
-    fn run(self) -> [u32; 3] {
-        let Self { ring: Ring { cos, sin, half_m }, first_dx, dy, n_points, n_along_side, rows, columns } =
-            self;
-        let (mut n_beyond_ends, mut n_occupied, mut n_cells) = (0, 0, 0);
-        for row in rows {
-            let dy = dy(row);
-            for (&n_points, column) in n_points[row * n_along_side..][columns.clone()].iter().zip(0_i32..) {
-                let dx = first_dx + CELL_M * column as f32;
-                let beyond_m = (cos * dx + sin * dy).abs() - half_m[0];
-                let beside_m = (cos * dy - sin * dx).abs() - half_m[1];
-                let (is_beyond, is_beside) = (beyond_m > MARGIN_M, beside_m > MARGIN_M);
-                let is_in_ring = beyond_m <= REACH_M && beside_m <= REACH_M && is_beyond != is_beside;
-                n_beyond_ends += if is_in_ring && is_beyond { u32::from(n_points) } else { 0 };
-                n_cells += u32::from(is_in_ring);
-                n_occupied += u32::from(is_in_ring && n_points > 0);
-            }
-        }
-        [n_beyond_ends, n_occupied, n_cells]
+    fn add(&mut self, n_points: u16, [beyond_m, beside_m]: [f32; 2], _: [f32; 2]) {
+        let (is_beyond, is_beside) = (beyond_m > MARGIN_M, beside_m > MARGIN_M);
+        let is_in_ring = beyond_m <= REACH_M && beside_m <= REACH_M && is_beyond != is_beside;
+        self.n_beyond_ends += if is_in_ring && is_beyond { u32::from(n_points) } else { 0 };
+        self.n_cells += u32::from(is_in_ring);
+        self.n_occupied += u32::from(is_in_ring && n_points > 0);
     }
 }
 
