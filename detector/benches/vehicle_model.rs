@@ -13,6 +13,7 @@ use detector::describe::surroundings::ObjectRaster;
 use detector::params::HierarchicalParams;
 use detector::params::paper::PaperParams;
 use detector::pipeline::paper_detector::paper;
+use detector::road_user::{MayBe, RoadUser};
 use detector::{Detector, DetectorOutput, OrientedBox, PointCloud};
 
 const N_ROUNDS: usize = 20;
@@ -46,7 +47,7 @@ fn measure(scans: &[Vec<Candidate>]) {
     let mut model = VehicleModel::shipped();
     let mut raster = ObjectRaster::new(HierarchicalParams::shipped().grid.extent_m);
     let (mut features, mut decisions, mut vectors) = (Vec::new(), Vec::new(), Vec::new());
-    let mut sum = 0.0;
+    let mut sum = 0.0_f32;
     for round in 0..=N_ROUNDS {
         for scan in scans {
             vectors.clear();
@@ -58,7 +59,8 @@ fn measure(scans: &[Vec<Candidate>]) {
                 vectors.push(model.values(bounding_box, &surroundings, points_m.iter().copied()));
             }
             let described = Instant::now();
-            sum += vectors.iter().map(|vector| model.decision_on(vector.as_ref())).sum::<f32>();
+            let odds = vectors.iter().map(|vector| model.odds(MayBe::ALL, vector.as_ref()));
+            sum += odds.map(|it| it.of(RoadUser::Vehicle)).sum::<f32>();
             let decided = described.elapsed();
             // The first round warms up.
             if round > 0 {

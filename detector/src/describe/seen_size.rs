@@ -9,18 +9,19 @@ use crate::road_user::{MayBe, N_ROAD_USERS};
 
 /// Bounds of the seen part of a road user, in metres: 99 of 100 clusters on the simulated streets that models are trained on
 /// are within, parts of them and trucks with their trailers among them. Of the other clusters more than half are not.
+#[expect(clippy::struct_field_names, reason = "a unit is no part of a name")]
 struct Bounds {
-    lengths_m: RangeInclusive<f32>,
-    most_width_m: f32,
+    length_m: RangeInclusive<f32>,
+    width_m: RangeInclusive<f32>,
     // Above the ground.
-    tops_m: RangeInclusive<f32>,
+    top_m: RangeInclusive<f32>,
 }
 
 /// Those of each of [`RoadUser::ALL`].
 const BOUNDS: [Bounds; N_ROAD_USERS] = [
-    Bounds { lengths_m: 0.8..=13.0, most_width_m: 4.4, tops_m: 0.65..=3.1 },
-    Bounds { lengths_m: 0.1..=1.6, most_width_m: 1.2, tops_m: 0.65..=2.2 },
-    Bounds { lengths_m: 0.3..=2.6, most_width_m: 1.5, tops_m: 0.65..=2.3 },
+    Bounds { length_m: 0.8..=13.0, width_m: 0.0..=4.4, top_m: 0.65..=3.1 },
+    Bounds { length_m: 0.1..=1.6, width_m: 0.0..=1.2, top_m: 0.65..=2.2 },
+    Bounds { length_m: 0.3..=2.6, width_m: 0.0..=1.5, top_m: 0.65..=2.3 },
 ];
 
 /// Which objects a model of road users is asked about.
@@ -44,7 +45,7 @@ pub fn may_be(bounding_box: &OrientedBox, ground_m: f32) -> MayBe {
     let [length_m, width_m, height_m] = bounding_box.length_width_height_m;
     let top_m = bounding_box.center_m[2] + 0.5 * height_m - ground_m;
     let allows = |it: &Bounds| {
-        it.lengths_m.contains(&length_m) && width_m <= it.most_width_m && it.tops_m.contains(&top_m)
+        it.length_m.contains(&length_m) && it.width_m.contains(&width_m) && it.top_m.contains(&top_m)
     };
     MayBe(BOUNDS.each_ref().map(allows))
 }

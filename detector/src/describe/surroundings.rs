@@ -100,17 +100,17 @@ impl ObjectRaster {
             dx: |column| first_dx + CELL_M * column as f32,
             count: RingCount::default(),
         });
-        let occupied_share = count.n_occupied as f32 / count.n_cells.max(1) as f32;
-        Surroundings { ground_m, n_beyond_ends: count.n_beyond_ends, occupied_share }
+        let occupied_share = count.cells_with_points as f32 / count.cells.max(1) as f32;
+        Surroundings { ground_m, n_beyond_ends: count.points_beyond_ends, occupied_share }
     }
 }
 
-/// Counts in the ring: points beyond the ends, cells with points, and all cells.
+/// Counts in the ring.
 #[derive(Debug, Clone, Copy, Default)]
 struct RingCount {
-    n_beyond_ends: u32,
-    n_occupied: u32,
-    n_cells: u32,
+    points_beyond_ends: u32,
+    cells: u32,
+    cells_with_points: u32,
 }
 
 impl CellCount<u16> for RingCount {
@@ -118,9 +118,9 @@ impl CellCount<u16> for RingCount {
     fn add(&mut self, n_points: u16, [beyond_m, beside_m]: [f32; 2], _: [f32; 2]) {
         let (is_beyond, is_beside) = (beyond_m > MARGIN_M, beside_m > MARGIN_M);
         let is_in_ring = beyond_m <= REACH_M && beside_m <= REACH_M && is_beyond != is_beside;
-        self.n_beyond_ends += if is_in_ring && is_beyond { u32::from(n_points) } else { 0 };
-        self.n_cells += u32::from(is_in_ring);
-        self.n_occupied += u32::from(is_in_ring && n_points > 0);
+        self.points_beyond_ends += if is_in_ring && is_beyond { u32::from(n_points) } else { 0 };
+        self.cells += u32::from(is_in_ring);
+        self.cells_with_points += u32::from(is_in_ring && n_points > 0);
     }
 }
 

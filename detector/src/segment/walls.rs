@@ -16,7 +16,7 @@ pub struct Walls {
     borne: Vec<bool>,
     // For every cell the length of the longest wall that it lies on, in metres; those of an earlier scan are in the list.
     length_m: Vec<f32>,
-    on_walls: Vec<u32>,
+    measured: Vec<u32>,
     taken: Vec<u32>,
 }
 
@@ -28,7 +28,7 @@ impl Walls {
             shadows: Vec::new(),
             borne: Vec::new(),
             length_m: vec![0.0; n_cells],
-            on_walls: Vec::new(),
+            measured: Vec::new(),
             taken: Vec::new(),
         }
     }
@@ -39,7 +39,7 @@ impl Walls {
         self.shadows.clear();
         self.borne.clear();
         self.taken.clear();
-        for cell_idx in self.on_walls.drain(..) {
+        for cell_idx in self.measured.drain(..) {
             self.length_m[cell_idx as usize] = 0.0;
         }
     }
@@ -73,7 +73,7 @@ impl Walls {
             for cell_idx in corridor(segment).flatten().filter_map(|it| cell_at(grid, it)) {
                 let longest_m = &mut self.length_m[cell_idx as usize];
                 *longest_m = longest_m.max(length_m);
-                self.on_walls.push(cell_idx);
+                self.measured.push(cell_idx);
             }
         }
     }

@@ -138,10 +138,8 @@ fn groups_of(scan: &LabeledScan, looker: &mut Looker) -> ScanGroups {
     grouping.detect(&scan.cloud, &mut DetectorOutput::default());
     let grouped = &grouping.frame.clustering;
     let tree = &grouped.tree;
-    let annotations_of_point = annotations_of_points(scan);
     let points_of_dense = points_of_dense_cells(grouped);
-    let mut n_shared = vec![0_usize; scan.annotations.len()];
-    let mut best_iou = vec![0.0_f32; scan.annotations.len()];
+    let mut annotated = AnnotatedPoints::of(scan);
     let mut groups = Vec::new();
     for node in grouped.describer.described() {
         let cells = tree.cells(&tree.nodes()[node.node_idx as usize]);
@@ -150,22 +148,7 @@ fn groups_of(scan: &LabeledScan, looker: &mut Looker) -> ScanGroups {
         point_indices.sort_unstable();
         let is_labeled = |&&it: &&u32| scan.point_regions[it as usize] == PointRegion::Labeled;
         let n_labeled = point_indices.iter().filter(is_labeled).count();
-        n_shared.fill(0);
-        for &point_idx in &point_indices {
-            for &it in &annotations_of_point[point_idx as usize] {
-                n_shared[it as usize] += 1;
-            }
-        }
-        let iou = |annotation_idx: usize| {
-            let (n, n_shared) = (point_indices.len(), n_shared[annotation_idx]);
-            n_shared as f32 / (n + scan.annotations[annotation_idx].point_indices.len() - n_shared) as f32
-        };
-        for (best, annotation_idx) in best_iou.iter_mut().zip(0..) {
-            *best = best.max(iou(annotation_idx));
-        }
-        let best = (0..n_shared.len()).max_by(|&a, &b| iou(a).total_cmp(&iou(b)).then(b.cmp(&a)));
-        let shown = best.filter(|&it| iou(it) >= LEAST_IOU).map(|it| scan.annotations[it].class);
-        let shows = RoadUser::ALL.map(|it| shown.map_or(Some(false), |class| is_road_user(class, it)));
+        let labels = annotated.labels_of(&point_indices);
         let positions_m: Vec<[f32; 3]> =
             point_indices.iter().map(|&it| scan.cloud.position_m(it as usize)).collect();
         let outline_m = positions_m.iter().map(|&[x_m, y_m, _]| [x_m, y_m]);
@@ -174,7 +157,6 @@ fn groups_of(scan: &LabeledScan, looker: &mut Looker) -> ScanGroups {
         let bounding_box = box_fit.fit(outline_m, [low_m, high_m]).expect("groups have points");
         let features = describer.describe(&bounding_box, &node.surroundings, positions_m.iter().copied());
         let features = features.expect("groups have points");
-        let labels = GroupLabels { iou: best.map_or(0.0, iou), shows };
         groups.push(GroupExample {
             node_idx: node.node_idx,
             node_values: node.values,
@@ -186,29 +168,67 @@ fn groups_of(scan: &LabeledScan, looker: &mut Looker) -> ScanGroups {
     let mut upward = Vec::new();
     tree.upward(&mut upward);
     let wholes = tree.nodes().iter().map(|it| it.parent).collect();
-    let params = EligibilityParams::STANDARD;
-    let excluded =
-        exclusions(scan, Task::Objects, Criterion::Points { min_iou: f64::from(LEAST_IOU) }, &params);
-    let asked = best_iou.into_iter().zip(excluded).filter(|(_, excluded)| excluded.is_none());
     ScanGroups {
         sequence: scan.id.sequence.clone(),
         weight: 1.0,
         upward,
         wholes,
         groups,
-        best_iou_of_objects: asked.map(|it| it.0).collect(),
+        best_iou_of_objects: annotated.best_iou_of_objects(),
     }
 }
 
-/// The annotations that each point of a scan lies on, ascending.
-fn annotations_of_points(scan: &LabeledScan) -> Vec<Vec<u32>> {
-    let mut annotations = vec![Vec::new(); scan.cloud.len()];
-    for (annotation, annotation_idx) in scan.annotations.iter().zip(0..) {
-        for &point_idx in &annotation.point_indices {
-            annotations[point_idx as usize].push(annotation_idx);
+/// The annotations of a scan, with which groups are compared one after the other.
+struct AnnotatedPoints<'a> {
+    scan: &'a LabeledScan,
+    // The annotations that each point lies on, ascending.
+    of_point: Vec<Vec<u32>>,
+    // For every annotation the points that it shares with the latest group, and its greatest IoU with any of them so far.
+    n_shared: Vec<usize>,
+    best_iou: Vec<f32>,
+}
+
+impl<'a> AnnotatedPoints<'a> {
+    fn of(scan: &'a LabeledScan) -> Self {
+        let mut of_point = vec![Vec::new(); scan.cloud.len()];
+        for (annotation, annotation_idx) in scan.annotations.iter().zip(0..) {
+            for &point_idx in &annotation.point_indices {
+                of_point[point_idx as usize].push(annotation_idx);
+            }
         }
+        let n = scan.annotations.len();
+        Self { scan, of_point, n_shared: vec![0; n], best_iou: vec![0.0; n] }
     }
-    annotations
+
+    /// The labels of a group of these points.
+    fn labels_of(&mut self, point_indices: &[u32]) -> GroupLabels {
+        let Self { scan, of_point, n_shared, best_iou } = self;
+        n_shared.fill(0);
+        for &point_idx in point_indices {
+            for &it in &of_point[point_idx as usize] {
+                n_shared[it as usize] += 1;
+            }
+        }
+        let iou = |annotation_idx: usize| {
+            let (n, n_shared) = (point_indices.len(), n_shared[annotation_idx]);
+            n_shared as f32 / (n + scan.annotations[annotation_idx].point_indices.len() - n_shared) as f32
+        };
+        for (best_iou, annotation_idx) in best_iou.iter_mut().zip(0..) {
+            *best_iou = best_iou.max(iou(annotation_idx));
+        }
+        let best = (0..n_shared.len()).max_by(|&a, &b| iou(a).total_cmp(&iou(b)).then(b.cmp(&a)));
+        let shown = best.filter(|&it| iou(it) >= LEAST_IOU).map(|it| scan.annotations[it].class);
+        let shows = RoadUser::ALL.map(|it| shown.map_or(Some(false), |class| is_road_user(class, it)));
+        GroupLabels { iou: best.map_or(0.0, iou), shows }
+    }
+
+    /// The greatest IoU of each annotation that is to be found.
+    fn best_iou_of_objects(self) -> Vec<f32> {
+        let criterion = Criterion::Points { min_iou: f64::from(LEAST_IOU) };
+        let excluded = exclusions(self.scan, Task::Objects, criterion, &EligibilityParams::STANDARD);
+        let asked = self.best_iou.into_iter().zip(excluded).filter(|(_, excluded)| excluded.is_none());
+        asked.map(|it| it.0).collect()
+    }
 }
 
 /// The points of each dense cell, ascending.
