@@ -5,6 +5,7 @@ use detector::params::HierarchicalParams;
 use detector::pipeline::foreground_stages::foreground;
 use detector::pipeline::stage_list::Pipeline;
 use detector::segment::foreground::Foreground;
+use detector::whole::reported_boxes::BoxParams;
 use detector::{Detector, DetectorOutput, OrientedBox};
 use rand::{RngExt as _, SeedableRng as _};
 use rand_chacha::ChaCha8Rng;
@@ -12,6 +13,7 @@ use reports::vocabulary::class::AnnotationClass;
 use scans::annotation::LabeledScan;
 
 use crate::object_box::ObjectBox;
+use crate::run::config::RunConfig;
 use crate::scan_pass::{PassedScan, ScanPass, ScanPassError};
 use crate::training::candidate_kind::CandidateKind;
 use crate::training::vehicle_labels::VehicleLabels;
@@ -55,6 +57,14 @@ pub struct CandidateSource<'a> {
 
 /// State of a thread that passes over scans.
 type State = (Box<dyn Detector>, Pipeline<Foreground>, ObjectRaster);
+
+/// Makes detectors report objects as models are asked about them: from `min_points` on, not yet completed, and in boxes around
+/// what is seen.
+pub fn as_models_are_asked(config: &mut RunConfig, min_points: usize) {
+    config.baselines.kd_tree.min_points = min_points;
+    config.hierarchical.completion.enabled = false;
+    config.hierarchical.boxes = BoxParams { outline: false, whole: false };
+}
 
 /// Collects the candidates of the scans of `pass`, mapped by `kept`, in the order of the scans: the detections of the
 /// detector of `source`, and regions cut out of their points.
@@ -151,4 +161,62 @@ fn candidate(
     let positions_m = point_indices.iter().map(|&it| scan.cloud.position_m(it as usize)).collect();
     let (sequence, surroundings) = (scan.id.sequence.clone(), Surroundings::default());
     Candidate { sequence, kind, shown: None, bounding_box, surroundings, positions_m }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::collections::HashSet;
+    use std::sync::atomic::AtomicBool;
+
+    use baselines::kd_tree_detector::kd_tree;
+    use detector::classify::vehicle_model::VehicleModel;
+    use detector::describe::vehicle_features::N_FEATURES;
+    use detector::pipeline::object_stages::ObjectModels;
+    use simulator::catalogue::built_in_catalogue;
+    use simulator::open::{OpenOptions, open_dataset};
+
+    use super::*;
+    use crate::training::cluster_training::described_clusters;
+    use crate::training::model_kind::ModelKind;
+
+    #[test]
+    fn models_learn_from_the_values_that_they_are_asked_about() {
+        let street =
+            open_dataset("street-main-road", &OpenOptions::default(), &built_in_catalogue().unwrap())
+                .unwrap();
+        let sensor_height_m = street.description().sensor_height_m;
+        let model = VehicleModel::shipped();
+        let shipped = RunConfig::load(None).unwrap().for_scans_of(street.description());
+        let mut learned_from = shipped.clone();
+        let min_points = shipped.hierarchical.cluster.min_vehicle_points;
+        as_models_are_asked(&mut learned_from, min_points);
+        let kd_tree = |config: &RunConfig, vehicles| {
+            let models = ObjectModels { vehicles, boxes: None };
+            kd_tree(&config.baselines.kd_tree, &config.hierarchical, models, sensor_height_m)
+        };
+        let source = CandidateSource {
+            new_detector: &|| Box::new(kd_tree(&learned_from, None)),
+            object_box: ModelKind::Paper.object_box(),
+            ground: &shipped.hierarchical,
+            min_points,
+            seed: 1,
+        };
+        let pass = ScanPass {
+            dataset: &*street,
+            scan_indices: &[0],
+            interrupted: &AtomicBool::new(false),
+            on_scan: &|| (),
+        };
+        let learned =
+            collect_candidates(pass, &source, |found| described_clusters(&found, model.prototypes()))
+                .unwrap();
+
+        let mut asked = kd_tree(&shipped, Some(model));
+        asked.detect(&street.read_scan(0).unwrap().cloud, &mut DetectorOutput::default());
+        let bits = |values: &[f32; N_FEATURES]| values.map(f32::to_bits);
+        let asked: HashSet<_> = asked.frame.fitted.values().iter().map(bits).collect();
+        assert!(learned.len() > 20, "{}", learned.len());
+        let unknown = learned.iter().filter(|it| !asked.contains(&bits(&it.values))).count();
+        assert_eq!(unknown, 0, "of {}", learned.len());
+    }
 }

@@ -7,7 +7,7 @@ use detector::describe::prototype_library::PrototypeLibrary;
 use detector::describe::trained_file::Provenance;
 use evaluation::run::config::RunConfig;
 use evaluation::run::detector_list::built_in_named;
-use evaluation::training::candidates::{Candidate, CandidateSource, collect_candidates};
+use evaluation::training::candidates::{Candidate, CandidateSource, as_models_are_asked, collect_candidates};
 use evaluation::training::model_kind::ModelKind;
 use evaluation::training::prototypes::{COLUMN_M, find_prototypes};
 
@@ -38,8 +38,7 @@ impl ClustersOf<'_> {
         let description = opened.dataset.description();
         warn_of_unknown_sensor(self.config, description);
         let mut of_sensor = self.config.for_scans_of(description);
-        // Models are asked about objects before these are completed.
-        of_sensor.hierarchical.completion.enabled = false;
+        as_models_are_asked(&mut of_sensor, self.min_points);
         let listed = built_in_named(&[self.detector.to_owned()], &of_sensor)?[0];
         let new_detector = || -> Box<dyn Detector> { listed.build(&of_sensor, description.sensor_height_m) };
         let source = CandidateSource {
