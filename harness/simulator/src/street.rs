@@ -347,7 +347,7 @@ mod tests {
     #[test]
     fn streets_give_the_same_bytes_on_every_machine() {
         let found = StreetKind::ALL.map(|kind| checksum(&scan(kind, 1, 3)));
-        assert_eq!(found, ["4f5620760c7e9709", "7a76edbff2560115", "94c4875e5a88b0f0"]);
+        assert_eq!(found, ["9ab7b083a7a15d73", "98c07ef7ce7e8c39", "f0dc4cdbe9530bac"]);
     }
 
     #[test]
