@@ -367,12 +367,14 @@ mod tests {
         }
 
         #[test]
-        fn the_box_encloses_its_points(
+        fn the_box_encloses_its_points_but_for_strays(
             positions_m in prop::collection::vec(prop::array::uniform3(-9.0_f32..9.0), 1..400),
         ) {
             let mut it = fit(&positions_m).unwrap();
             it.length_width_height_m = it.length_width_height_m.map(|side_m| side_m + 1e-3);
-            prop_assert!(positions_m.iter().all(|position_m| it.contains(*position_m)));
+            let n_outside = positions_m.iter().filter(|position_m| !it.contains(**position_m)).count();
+            // At each of four ends.
+            prop_assert!(n_outside <= 4 * (positions_m.len() * 4 / 100), "{n_outside}");
         }
 
         #[test]

@@ -1,8 +1,8 @@
 //! The parameters of the hierarchical detector, from one file; those of the papers' from another.
 
 pub mod bounds;
-pub mod front_end;
 pub mod paper;
+pub mod front_end;
 
 use serde::Deserialize;
 

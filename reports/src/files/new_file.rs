@@ -7,6 +7,12 @@ use std::fs::{File, Metadata, OpenOptions};
 use std::io;
 use std::path::{Path, PathBuf};
 
+/// The name of a file after something that files of others may have named, without its ending: what is neither a letter, a
+/// digit nor a hyphen is an underscore.
+pub fn file_stem_of(name: &str) -> String {
+    name.chars().map(|it| if it.is_ascii_alphanumeric() || it == '-' { it } else { '_' }).collect()
+}
+
 /// Creates the file `path`. A file or link of that name is removed; the target of the link stays as it is.
 ///
 /// # Errors

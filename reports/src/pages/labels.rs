@@ -5,6 +5,7 @@ use maud::{Markup, html};
 use super::document::Section;
 use super::markup::{Figure, wide_picture};
 use crate::facts::run_facts::RunFacts;
+use crate::files::new_file::file_stem_of;
 use crate::plots::box_points_plot::box_points_plot;
 
 pub(super) fn labels(facts: &RunFacts, files: &mut Vec<Figure>) -> Option<Section> {
@@ -19,8 +20,7 @@ pub(super) fn labels(facts: &RunFacts, files: &mut Vec<Figure>) -> Option<Sectio
                  next fuller one. From above, points belong along the sides, without those of the ground. From the side, the ground belongs \
                  at the bottom."
             });
-            let safe = |it: char| if it.is_ascii_alphanumeric() || it == '-' { it } else { '_' };
-            files.push(Figure { file_stem: format!("labels_{}", id.chars().map(safe).collect::<String>()), svg });
+            files.push(Figure { file_stem: format!("labels_{}", file_stem_of(id)), svg });
             picture
         })
         .collect();

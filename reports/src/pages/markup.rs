@@ -2,6 +2,7 @@
 
 use maud::{Markup, PreEscaped, html};
 
+use crate::files::new_file::file_stem_of;
 use crate::plots::themed_panel::{Arrangement, KeyEntry, ThemedPanel, sheet};
 use crate::tables::folding::pieces;
 use crate::tables::grid::{Alignment, Cell, Grid, Line, LineKind};
@@ -31,9 +32,7 @@ pub(super) struct FigureMarkup<'a> {
 impl FigureMarkup<'_> {
     /// The figure on a page; as a file it is added to `files`.
     pub(super) fn render(self, files: &mut Vec<Figure>) -> Markup {
-        // Names come from files, too.
-        let safe = |it: char| if it.is_ascii_alphanumeric() || it == '-' { it } else { '_' };
-        let file_stem = self.file_stem.chars().map(safe).collect();
+        let file_stem = file_stem_of(self.file_stem);
         files.push(Figure { svg: sheet(self.panels, Arrangement::Row, self.key, self.title), file_stem });
         html! {
             figure {

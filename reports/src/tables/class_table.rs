@@ -6,6 +6,7 @@ use super::grid::{Cell, Column, Grid, Line, LineKind};
 use super::notes::about_interval;
 use super::sheet::{Part, Sheet, Tabular};
 use crate::files::fixed_decimals::{fixed_decimals, percent_or_dash};
+use crate::files::new_file::file_stem_of;
 use crate::numbers::blocks::{BlockKind, Interval};
 use crate::numbers::pools::Pool;
 use crate::numbers::run_report::{MetricRow, RunReport};
@@ -130,7 +131,7 @@ fn summed<'a>(rows: impl Iterator<Item = &'a ConfusionRow>) -> Vec<ConfusionRow>
 impl ClassTable {
     /// Name of the files it is written to, without the ending.
     pub fn file_stem(&self) -> String {
-        format!("table_classes_{}", self.dataset)
+        format!("table_classes_{}", file_stem_of(&self.dataset))
     }
 
     /// The detectors, in the order of the run.

@@ -4,6 +4,7 @@ use super::grid::{Cell, Column, Grid, Line, LineKind};
 use super::notes::about_interval;
 use super::sheet::{Sheet, Tabular};
 use crate::files::fixed_decimals::{fixed_decimals, percent_or_dash};
+use crate::files::new_file::file_stem_of;
 use crate::numbers::blocks::{BlockKind, Interval};
 use crate::numbers::pools::Pool;
 use crate::numbers::run_report::{MetricRow, RunReport};
@@ -111,6 +112,6 @@ impl Tabular for SliceTable {
 impl SliceTable {
     /// Name of the files it is written to, without the ending.
     pub fn file_stem(&self) -> String {
-        format!("table_slices_{}", self.dataset)
+        format!("table_slices_{}", file_stem_of(&self.dataset))
     }
 }

@@ -405,9 +405,9 @@ mod tests {
             assert_eq!(rules_seen(&mut *detector, &scans, 15), to_be_seen, "{}", listed.name);
         }
         let expected = [
-            ("hierarchical", 5),
-            ("kd-tree-trained", 4),
-            ("kd-tree-tree", 5),
+            ("hierarchical", 6),
+            ("kd-tree-trained", 5),
+            ("kd-tree-tree", 6),
             // Walls, which the papers have.
             ("paper", 1),
             ("kd-tree-same-walls", 5),

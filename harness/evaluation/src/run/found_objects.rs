@@ -353,11 +353,11 @@ mod tests {
         let car = cars.min_by_key(|it| it.point_indices.len()).unwrap();
         let cluster = FoundObject::of_points(car.point_indices.clone());
         let given = FoundObject { bounding_box: Some(CAR), ..cluster.clone() };
-        let pedestrian = FoundObject { class: Some(AnnotationClass::Pedestrian.into()), ..cluster.clone() };
+        let other = FoundObject { class: Some(AnnotationClass::Misc.into()), ..cluster.clone() };
         let as_car = FoundObject { class: Some(AnnotationClass::Car.into()), ..cluster };
         let boxes_of = |mut vehicles: ForeignVehicles| {
             let mut output = DetectorOutput::default();
-            let objects = vec![as_car.clone(), given.clone(), pedestrian.clone()];
+            let objects = vec![as_car.clone(), given.clone(), other.clone()];
             vehicles.detections_of(objects, &scan.cloud, &mut output).unwrap();
             [0, 1, 2].map(|it| output.detections.get(it).bounding_box)
         };

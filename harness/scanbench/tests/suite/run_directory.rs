@@ -31,7 +31,7 @@ fn a_run_leaves_its_files_and_nothing_else() {
         .split(' ')
         .flat_map(|it| ["pdf", "svg"].map(|ending| format!("figures/{it}.{ending}")))
         .collect();
-    let others = "errors.csv figures manifest.json matches.csv poses.csv precision_recall.csv report.html report.json scans.csv stages.csv \
+    let others = "confusion.csv table_classes_street-narrow.md table_classes_street-narrow.tex errors.csv figures manifest.json matches.csv poses.csv precision_recall.csv report.html report.json scans.csv stages.csv \
                   table_objects.csv table_objects.md table_objects.tex table_stages.md table_times.md \
                   table_vehicles.csv table_vehicles.md table_vehicles.tex worst_points.json";
     expected.extend(others.split_whitespace().map(str::to_owned));

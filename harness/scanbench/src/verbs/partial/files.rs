@@ -5,6 +5,7 @@ use std::collections::BTreeMap;
 use evaluation::partial::methods::OURS;
 use jiff::Timestamp;
 use reports::files::archive::SCHEMA;
+use reports::files::new_file::file_stem_of;
 use reports::files::regular_file::read_bytes;
 use reports::partial_study::partial_curves::PartialCurve;
 use reports::plots::partial_plot::{partial_accuracy_plot, partial_calibration_plot, partial_error_plot};
@@ -106,8 +107,7 @@ pub fn write_files(
     for curve in curves.iter().filter(|it| it.method == OURS) {
         let PartialCurve { data, direction, trained_on, .. } = curve;
         let title = format!("Mean error to each class: {data} from {direction}, trained on {trained_on}");
-        let safe = |it: char| if it.is_ascii_alphanumeric() || it == '-' { it } else { '_' };
-        let stem: String = format!("errors_{data}_{direction}_{trained_on}").chars().map(safe).collect();
+        let stem = file_stem_of(&format!("errors_{data}_{direction}_{trained_on}"));
         write_figure(directory, &stem, &partial_error_plot(curve, &title).svg(&title))?;
     }
     Ok(terminal().text(&table))

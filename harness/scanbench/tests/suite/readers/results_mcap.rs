@@ -22,7 +22,7 @@ fn a_recording_of_results_says_what_the_rows_say() {
     workplace.succeed(&(&street, "-d hierarchical,pca --mcap -o run"));
     let bytes = std::fs::read(workplace.path("run/run.mcap")).unwrap();
     let (mut n_numbers, mut n_outcomes) = (BTreeMap::new(), BTreeMap::new());
-    let mut last_tp = 0;
+    let mut most_tp = 0;
     for message in MessageStream::new(&bytes).unwrap() {
         let message = message.unwrap();
         let topic = message.channel.topic.clone();
@@ -30,9 +30,10 @@ fn a_recording_of_results_says_what_the_rows_say() {
             let numbers: serde_json::Value = serde_json::from_slice(&message.data).unwrap();
             assert_eq!(format!("/{}/{}", numbers["detector"], numbers["task"]).replace('"', ""), of);
             assert!(numbers["stage_ms"].as_object().unwrap().len() > 1, "{numbers}");
-            let rate = numbers["f_rate_so_far"].as_f64().unwrap();
-            assert!((0.0..=1.0).contains(&rate));
-            last_tp = numbers["tp"].as_u64().unwrap();
+            let rate = numbers["f_rate_so_far"].as_f64();
+            let is_of_class = ![Some("objects"), Some("vehicles")].contains(&numbers["task"].as_str());
+            assert!(rate.map_or(is_of_class, |it| (0.0..=1.0).contains(&it)), "{numbers}");
+            most_tp = most_tp.max(numbers["tp"].as_u64().unwrap());
             *n_numbers.entry(of.to_owned()).or_default() += 1;
         }
         if let Some(of) = topic.strip_suffix("/outcomes") {
@@ -43,7 +44,7 @@ fn a_recording_of_results_says_what_the_rows_say() {
             *n_outcomes.entry(of.to_owned()).or_default() += scene.entities.len();
         }
     }
-    assert!(last_tp > 0);
+    assert!(most_tp > 0);
     assert_eq!(n_numbers, rows(&workplace, "run/scans.csv"));
     assert_eq!(n_outcomes, rows(&workplace, "run/matches.csv"));
 
