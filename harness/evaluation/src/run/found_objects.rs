@@ -378,6 +378,7 @@ mod tests {
         let annotated = car.bounding_box.unwrap();
         assert!(bev_iou(&whole, &annotated) > bev_iou(&seen, &annotated), "{whole:?}, {seen:?}");
         let [length_m, width_m, _] = whole.length_width_height_m;
-        assert!(length_m * width_m > 1.1 * seen.length_width_height_m[0] * seen.length_width_height_m[1]);
+        let [seen_length_m, seen_width_m, _] = seen.length_width_height_m;
+        assert!(length_m * width_m > 1.05 * seen_length_m * seen_width_m, "{whole:?}, {seen:?}");
     }
 }

@@ -1,5 +1,6 @@
 //! The objects that a vehicle model is trained on and judged by.
 
+use baselines::params::KdTreeParams;
 use detector::describe::surroundings::{ObjectRaster, Surroundings};
 use detector::params::HierarchicalParams;
 use detector::pipeline::foreground_stages::foreground;
@@ -13,7 +14,6 @@ use reports::vocabulary::class::AnnotationClass;
 use scans::annotation::LabeledScan;
 
 use crate::object_box::ObjectBox;
-use crate::run::config::RunConfig;
 use crate::scan_pass::{PassedScan, ScanPass, ScanPassError};
 use crate::training::candidate_kind::CandidateKind;
 use crate::training::vehicle_labels::VehicleLabels;
@@ -60,10 +60,10 @@ type State = (Box<dyn Detector>, Pipeline<Foreground>, ObjectRaster);
 
 /// Makes detectors report objects as models are asked about them: from `min_points` on, not yet completed, and in boxes around
 /// what is seen.
-pub fn as_models_are_asked(config: &mut RunConfig, min_points: usize) {
-    config.baselines.kd_tree.min_points = min_points;
-    config.hierarchical.completion.enabled = false;
-    config.hierarchical.boxes = BoxParams { outline: false, whole: false };
+pub fn as_models_are_asked(shared: &mut HierarchicalParams, kd_tree: &mut KdTreeParams, min_points: usize) {
+    kd_tree.min_points = min_points;
+    shared.completion.enabled = false;
+    shared.boxes = BoxParams { outline: false, whole: false };
 }
 
 /// Collects the candidates of the scans of `pass`, mapped by `kept`, in the order of the scans: the detections of the
@@ -169,6 +169,7 @@ mod tests {
     use std::sync::atomic::AtomicBool;
 
     use baselines::kd_tree_detector::kd_tree;
+    use baselines::params::BaselineParams;
     use detector::classify::vehicle_model::VehicleModel;
     use detector::describe::vehicle_features::N_FEATURES;
     use detector::pipeline::object_stages::ObjectModels;
@@ -186,18 +187,14 @@ mod tests {
                 .unwrap();
         let sensor_height_m = street.description().sensor_height_m;
         let model = VehicleModel::shipped();
-        let shipped = RunConfig::load(None).unwrap().for_scans_of(street.description());
-        let mut learned_from = shipped.clone();
-        let min_points = shipped.hierarchical.cluster.min_vehicle_points;
-        as_models_are_asked(&mut learned_from, min_points);
-        let kd_tree = |config: &RunConfig, vehicles| {
-            let models = ObjectModels { vehicles, boxes: None };
-            kd_tree(&config.baselines.kd_tree, &config.hierarchical, models, sensor_height_m)
-        };
+        let shipped = (HierarchicalParams::shipped(), BaselineParams::shipped().kd_tree);
+        let (mut shared, mut params) = shipped.clone();
+        let min_points = shared.cluster.min_vehicle_points;
+        as_models_are_asked(&mut shared, &mut params, min_points);
         let source = CandidateSource {
-            new_detector: &|| Box::new(kd_tree(&learned_from, None)),
+            new_detector: &|| Box::new(kd_tree(&params, &shared, ObjectModels::default(), sensor_height_m)),
             object_box: ModelKind::Paper.object_box(),
-            ground: &shipped.hierarchical,
+            ground: &shared,
             min_points,
             seed: 1,
         };
@@ -211,7 +208,9 @@ mod tests {
             collect_candidates(pass, &source, |found| described_clusters(&found, model.prototypes()))
                 .unwrap();
 
-        let mut asked = kd_tree(&shipped, Some(model));
+        let (shared, params) = shipped;
+        let models = ObjectModels { vehicles: Some(model), boxes: None };
+        let mut asked = kd_tree(&params, &shared, models, sensor_height_m);
         asked.detect(&street.read_scan(0).unwrap().cloud, &mut DetectorOutput::default());
         let bits = |values: &[f32; N_FEATURES]| values.map(f32::to_bits);
         let asked: HashSet<_> = asked.frame.fitted.values().iter().map(bits).collect();

@@ -38,7 +38,8 @@ impl ClustersOf<'_> {
         let description = opened.dataset.description();
         warn_of_unknown_sensor(self.config, description);
         let mut of_sensor = self.config.for_scans_of(description);
-        as_models_are_asked(&mut of_sensor, self.min_points);
+        let shared = &mut of_sensor.hierarchical;
+        as_models_are_asked(shared, &mut of_sensor.baselines.kd_tree, self.min_points);
         let listed = built_in_named(&[self.detector.to_owned()], &of_sensor)?[0];
         let new_detector = || -> Box<dyn Detector> { listed.build(&of_sensor, description.sensor_height_m) };
         let source = CandidateSource {
