@@ -32,7 +32,7 @@ class CommandError(Exception):
 
 
 def left(result: Result, name: str) -> Path:
-    if not (path := result.directory / name).is_file():
+    if not (path := result.directory / name).exists():
         raise CommandError(f"{result.command} left no {name}")
     return path
 
