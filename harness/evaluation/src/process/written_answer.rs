@@ -50,6 +50,9 @@ impl AnswerWriter {
         let scores: Vec<f32> = detections.iter().filter_map(|it| it.score).collect();
         let is_ranked = extent == Extent::Ranked;
         let box_scores = detections.iter().any(|it| it.box_details.score.is_some());
+        // The protocol has no other classes for boxes that are only ranked.
+        let unlikely_vehicles =
+            || output.unlikely.iter().filter(|it| it.given.is_none_or(|given| given.name() == "vehicle"));
         let line = ResultLine {
             number,
             clusters: true,
@@ -58,7 +61,7 @@ impl AnswerWriter {
             box_scores: is_ranked && box_scores,
             velocities: false,
             tracks: false,
-            ranked: if is_ranked { output.unlikely.len() } else { 0 },
+            ranked: if is_ranked { unlikely_vehicles().count() } else { 0 },
             classes: (!detections.is_empty())
                 .then(|| detections.iter().map(|it| Some(class_of(&it).to_owned())).collect()),
             stages: stages_of(output),
@@ -70,8 +73,8 @@ impl AnswerWriter {
             rest.extend(detections.iter().map(|it| it.box_details.score.unwrap_or(NO_SCORE)));
         }
         if line.ranked > 0 {
-            rest.extend(output.unlikely.iter().flat_map(|it| numbers_of(&it.bounding_box)));
-            rest.extend(output.unlikely.iter().map(|it| it.box_score().unwrap_or(0.0)));
+            rest.extend(unlikely_vehicles().flat_map(|it| numbers_of(&it.bounding_box)));
+            rest.extend(unlikely_vehicles().map(|it| it.box_score().unwrap_or(0.0)));
         }
         self.begin(line, 4 * n_points + 4 * rest.len()).map_err(|error| error.to_string())?;
         self.add_ids(detections, n_points)?;
