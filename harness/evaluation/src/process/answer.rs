@@ -34,8 +34,8 @@ pub struct Found {
     pub velocities: Vec<Option<[f32; 2]>>,
     /// Track of every detection, if it has one.
     pub tracks: Vec<Option<u32>>,
-    /// Boxes that are no detections, each with its score: unlikely vehicles, used only where boxes are ranked.
-    pub ranked: Vec<(OrientedBox, f32)>,
+    /// Boxes that are no detections: unlikely objects, used only where boxes are ranked.
+    pub ranked: Vec<RankedBox>,
     /// Class of every detection; `None` where the detector predicts none.
     pub classes: Vec<Option<ForeignClass>>,
     /// Whether the answer has a place for classes, if only for those of no detection.
@@ -44,6 +44,17 @@ pub struct Found {
     pub stages: Vec<(String, f64)>,
     /// Products: their names, and their values, one for each point.
     pub products: Vec<(String, Vec<u8>)>,
+}
+
+/// A box that is only ranked.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct RankedBox {
+    /// The box in the frame of the scan.
+    pub bounding_box: OrientedBox,
+    /// Its score.
+    pub score: f32,
+    /// Its class; `None` for a vehicle of no class that is known.
+    pub class: Option<ForeignClass>,
 }
 
 /// Lengths in bytes of the parts of a payload, as far as the line determines them.
@@ -159,8 +170,13 @@ impl Found {
             box_scores: box_scores.collect::<Result<Vec<_>, _>>()?,
             velocities: velocities_of(velocities)?,
             tracks: words(tracks).map(u32::from_le_bytes).map(|it| (it != NO_TRACK).then_some(it)).collect(),
-            ranked: boxes_of("ranked box", ranked)?.into_iter().zip(ranked_scores).collect(),
-            classes: classes_of(line, n_detections, table)?,
+            ranked: boxes_of("ranked box", ranked)?
+                .into_iter()
+                .zip(ranked_scores)
+                .zip(classes_of(line.ranked_classes.as_deref(), "ranked boxes", line.ranked, table)?)
+                .map(|((bounding_box, score), class)| RankedBox { bounding_box, score, class })
+                .collect(),
+            classes: classes_of(line.classes.as_deref(), "detections", n_detections, table)?,
             names_classes: line.classes.is_some(),
             stages: line.stages.iter().map(|it| (it.name.clone(), it.ms)).collect(),
             products: line.products.iter().map(|it| it.name.clone()).zip(values).collect(),
@@ -259,14 +275,16 @@ fn n_detections(clusters: Option<&[u32]>, n_boxes: usize) -> Result<usize, Strin
     Ok(n_boxes)
 }
 
+/// The `written` classes of `n` things, which are `what`.
 fn classes_of(
-    line: &ResultLine,
-    n_detections: usize,
+    written: Option<&[Option<String>]>,
+    what: &str,
+    n: usize,
     table: &ClassTable,
 ) -> Result<Vec<Option<ForeignClass>>, String> {
-    let Some(written) = &line.classes else { return Ok(vec![None; n_detections]) };
-    if written.len() != n_detections {
-        return Err(format!("there are {} classes of {n_detections} detections", written.len()));
+    let Some(written) = written else { return Ok(vec![None; n]) };
+    if written.len() != n {
+        return Err(format!("there are {} classes of {n} {what}", written.len()));
     }
     let class = |word: &str| Ok(ForeignClass::of(word, table.class_of_detection(word)?));
     written.iter().map(|it| it.as_deref().map(class).transpose()).collect()
@@ -343,7 +361,15 @@ mod tests {
         };
         let found = read(&line, &payload(0.75, -3.0), 3).unwrap();
         assert_eq!(found.box_scores, [Some(0.75), None]);
-        assert_eq!(found.ranked, [(found.boxes[0], -3.0)]);
+        let ranked = RankedBox { bounding_box: found.boxes[0], score: -3.0, class: None };
+        assert_eq!(found.ranked, [ranked]);
+        line.ranked_classes = Some(vec![Some("pedestrian".to_owned())]);
+        let class = Some(AnnotationClass::Pedestrian.into());
+        assert_eq!(read(&line, &payload(0.75, -3.0), 3).unwrap().ranked, [RankedBox { class, ..ranked }]);
+        line.ranked_classes = Some(Vec::new());
+        let problem = read(&line, &payload(0.75, -3.0), 3).unwrap_err();
+        assert_eq!(problem, "there are 0 classes of 1 ranked boxes");
+        line.ranked_classes = None;
         for (payload, expected) in [
             (payload(f32::INFINITY, 0.0), "the box score of detection 0 is inf"),
             (payload(0.0, f32::NAN), "the score of ranked box 0 is NaN"),

@@ -175,6 +175,9 @@ pub struct ResultLine {
     /// Boxes that are only ranked.
     #[serde(default, skip_serializing_if = "is_zero")]
     pub ranked: usize,
+    /// The class of each box that is only ranked; vehicles if absent.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub ranked_classes: Option<Vec<Option<String>>>,
     /// The class of each detection; all `None` if absent.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub classes: Option<Vec<Option<String>>>,

@@ -50,9 +50,7 @@ impl AnswerWriter {
         let scores: Vec<f32> = detections.iter().filter_map(|it| it.score).collect();
         let is_ranked = extent == Extent::Ranked;
         let box_scores = detections.iter().any(|it| it.box_details.score.is_some());
-        // The protocol has no other classes for boxes that are only ranked.
-        let unlikely_vehicles =
-            || output.unlikely.iter().filter(|it| it.given.is_none_or(|given| given.name() == "vehicle"));
+        let n_ranked = if is_ranked { output.unlikely.len() } else { 0 };
         let line = ResultLine {
             number,
             clusters: true,
@@ -61,9 +59,9 @@ impl AnswerWriter {
             box_scores: is_ranked && box_scores,
             velocities: false,
             tracks: false,
-            ranked: if is_ranked { unlikely_vehicles().count() } else { 0 },
-            classes: (!detections.is_empty())
-                .then(|| detections.iter().map(|it| Some(class_of(&it).to_owned())).collect()),
+            ranked: n_ranked,
+            ranked_classes: (n_ranked > 0).then(|| classes_of(&output.unlikely)),
+            classes: (!detections.is_empty()).then(|| classes_of(detections)),
             stages: stages_of(output),
             products: Vec::new(),
         };
@@ -73,8 +71,8 @@ impl AnswerWriter {
             rest.extend(detections.iter().map(|it| it.box_details.score.unwrap_or(NO_SCORE)));
         }
         if line.ranked > 0 {
-            rest.extend(unlikely_vehicles().flat_map(|it| numbers_of(&it.bounding_box)));
-            rest.extend(unlikely_vehicles().map(|it| it.box_score().unwrap_or(0.0)));
+            rest.extend(output.unlikely.iter().flat_map(|it| numbers_of(&it.bounding_box)));
+            rest.extend(output.unlikely.iter().map(|it| it.box_score().unwrap_or(0.0)));
         }
         self.begin(line, 4 * n_points + 4 * rest.len()).map_err(|error| error.to_string())?;
         self.add_ids(detections, n_points)?;
@@ -137,6 +135,10 @@ impl AnswerWriter {
     }
 }
 
+fn classes_of(detections: &Detections) -> Vec<Option<String>> {
+    detections.iter().map(|it| Some(class_of(&it).to_owned())).collect()
+}
+
 /// A class for the answer: other objects get one that is no vehicle.
 fn class_of(detection: &Detection<'_>) -> &'static str {
     match (detection.given, detection.class) {
@@ -161,10 +163,10 @@ fn stages_of(output: &DetectorOutput) -> Vec<ReportedStage> {
 
 #[cfg(test)]
 mod tests {
-    use detector::BoxDetails;
+    use detector::{BoxDetails, GivenClass};
 
     use super::*;
-    use crate::process::answer::Found;
+    use crate::process::answer::{Found, RankedBox};
     use crate::process::message::parse_line;
 
     const BOX: OrientedBox =
@@ -191,12 +193,15 @@ mod tests {
         let mut output = DetectorOutput::default();
         output.detections.push(detection(&[1, 3], 0.5, Some(0.75)));
         output.detections.push(detection(&[0], -1.5, None));
-        output.unlikely.push(detection(&[2], -4.0, Some(-3.5)));
+        let given = Some(GivenClass::new("cyclist", "cyclist"));
+        output.unlikely.push(Detection { given, ..detection(&[2], -4.0, Some(-3.5)) });
         let mut writer = AnswerWriter::default();
         let found = read(writer.write(7, &output, 5, Extent::Ranked).unwrap(), 5);
         assert_eq!(found.clusters, Some(vec![2, 1, 0, 1, 0]));
         assert_eq!((found.boxes, found.scores), (vec![BOX; 2], Some(vec![0.5, -1.5])));
-        assert_eq!((found.box_scores, found.ranked), (vec![Some(0.75), None], vec![(BOX, -3.5)]));
+        let ranked =
+            RankedBox { bounding_box: BOX, score: -3.5, class: Some(AnnotationClass::Cyclist.into()) };
+        assert_eq!((found.box_scores, found.ranked), (vec![Some(0.75), None], vec![ranked]));
         // A host that names no known extension gets only the first version.
         let found = read(writer.write(7, &output, 5, Extent::of(&["other".to_owned()])).unwrap(), 5);
         assert!(found.scores.is_some() && found.box_scores.is_empty() && found.ranked.is_empty());

@@ -10,7 +10,7 @@ use scans::annotation::LabeledScan;
 use scans::conversion::results::detection_rows::clusters_of_points;
 use scans::dataset::class_table::ClassTable;
 
-use crate::process::answer::Found;
+use crate::process::answer::{Found, RankedBox};
 use crate::process::conversation::{Answered, Asked, Conversation, FIRST_SCAN_LIMIT, Goodbye};
 use crate::process::message::Configuration;
 use crate::process::problem::{DetectorFailure, DetectorProblem};
@@ -226,9 +226,9 @@ impl ProcessDetector {
         self.products = found.products;
         self.names_classes = found.names_classes;
         self.vehicles.detections_of(objects, cloud, output).map_err(DetectorProblem::WrongAnswer)?;
-        for (bounding_box, score) in found.ranked {
+        for RankedBox { bounding_box, score, class } in found.ranked {
             let ranked = Detection::new(&[], bounding_box, DetectedClass::Vehicle, Some(score));
-            output.unlikely.push(ranked);
+            output.unlikely.push(Detection { given: class.and_then(|it| it.given), ..ranked });
         }
         self.clusters = clusters_of_points(&output.detections, cloud.len());
         Ok(())
