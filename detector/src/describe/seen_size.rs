@@ -17,7 +17,7 @@ struct Bounds {
     top_m: RangeInclusive<f32>,
 }
 
-/// Those of each of [`RoadUser::ALL`].
+/// Those of each road user, in their order.
 const BOUNDS: [Bounds; N_ROAD_USERS] = [
     Bounds { length_m: 0.8..=13.0, width_m: 0.0..=4.4, top_m: 0.65..=3.1 },
     Bounds { length_m: 0.1..=1.6, width_m: 0.0..=1.2, top_m: 0.65..=2.2 },
