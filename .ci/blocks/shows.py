@@ -10,6 +10,7 @@ import re
 import subprocess
 import tempfile
 from collections import Counter, defaultdict
+from collections.abc import Iterable
 from pathlib import Path
 from statistics import mean, median_low, stdev
 from typing import NamedTuple
@@ -85,9 +86,9 @@ def origin_in_words(row: Row) -> str:
     return f"{row['dataset']} (simulated)" if row["origin"] == "simulated" else row["dataset"]
 
 
-def by_task(*heads: str) -> list[str]:
+def by_task(*heads: str, tasks: Iterable[str] = TASKS) -> list[str]:
     """Heads of columns for each task, the first with the name of the task."""
-    return [it for task in TASKS for it in (f"{task}: {heads[0]}", *heads[1:])]
+    return [it for task in tasks for it in (f"{task}: {heads[0]}", *heads[1:])]
 
 
 def noted(text: str) -> str:
@@ -150,11 +151,12 @@ def differences(result: Result) -> dict[tuple[str, str], Row]:
 
 
 def compared_detectors(results: list[Result]) -> str:
-    """Paired differences of detectors of one run in both tasks, one pair a command after the first."""
-    lines = defaultdict(list)
-    for (_, pair), it in (it for result in results[1:] for it in differences(result).items()):
+    """Paired differences of detectors of one run in all tasks, one pair a command after the first."""
+    lines, tasks = defaultdict(list), {}
+    for (task, pair), it in (it for result in results[1:] for it in differences(result).items()):
+        tasks[task] = None
         lines[pair,] += [it["difference"], it["95 %"]]
-    return noted(table(["difference of F-rates", *by_task("points", "95 % interval")], lines))
+    return noted(table(["difference of F-rates", *by_task("points", "95 % interval", tasks=tasks)], lines))
 
 
 def compared_runs(results: list[Result], *parts: str) -> str:

@@ -81,7 +81,7 @@ fn record(
                 shown_task: Task::Objects,
                 first_tab: FirstTab::Compare,
                 has_poses: false,
-                at_the_start: false,
+                follows: true,
                 figures: &[],
             },
             points: PointChoice::default(),

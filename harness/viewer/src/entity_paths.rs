@@ -37,6 +37,8 @@ pub const LEGEND_STAGES: &str = "legend/stages";
 pub const LEGEND_SCAN: &str = "legend/scan";
 /// F-rates so far, one line per task and detector.
 pub const F_RATE: &str = "series/f_rate";
+/// Numbers of detections where nothing is labelled, one line per task and detector.
+pub const DETECTIONS: &str = "series/detections";
 /// Latencies in milliseconds, one line per detector.
 pub const LATENCY: &str = "series/latency_ms";
 /// Stage times in milliseconds, one line per detector and stage.
@@ -203,6 +205,16 @@ pub fn f_rates(task: Task) -> EntityPath {
 /// The F-rate of one detector for one task.
 pub fn f_rate(task: Task, detector: &str) -> EntityPath {
     below(F_RATE, &[task.name(), detector])
+}
+
+/// The numbers of detections of all detectors for one task.
+pub fn numbers_of_detections(task: Task) -> EntityPath {
+    below(DETECTIONS, &[task.name()])
+}
+
+/// The number of detections of one detector for one task.
+pub fn number_of_detections(task: Task, detector: &str) -> EntityPath {
+    below(DETECTIONS, &[task.name(), detector])
 }
 
 /// Found, missed and false objects of one detector for one task.

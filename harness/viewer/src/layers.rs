@@ -106,6 +106,12 @@ impl Layers {
         &self.scans
     }
 
+    /// The layers that a viewer may read before it has the layout, which is a file of its own; none in a single file.
+    pub fn without_layout(&self) -> impl Iterator<Item = &RecordingStream> {
+        let n_before = self.files.len() - 1;
+        self.files[..n_before].iter().map(|it| &it.recording)
+    }
+
     /// Where the detector is logged that was announced at this place.
     pub fn of_detector(&self, detector_idx: usize) -> &RecordingStream {
         &self.of_detectors[detector_idx]

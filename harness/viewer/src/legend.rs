@@ -4,13 +4,14 @@ use detector::stage_product::LinkFate;
 use detector::surface_class::SurfaceClass;
 use re_sdk_types::datatypes::{ClassDescription, Rgba32};
 use reports::vocabulary::class::AnnotationClass;
+use reports::vocabulary::reason::Agreement;
 
 use super::palette::{self, Rgb};
 
 /// Id of the class of a labelled object whose outcome is not drawn.
 pub const ANNOTATION_ID: u16 = 8;
 /// Id of the first fate of a link; the others follow.
-const FIRST_LINK_ID: u16 = 24;
+const FIRST_LINK_ID: u16 = 28;
 /// Clusters take this id and the next ones, in turn.
 const FIRST_CLUSTER_ID: u16 = 32;
 /// Id of the first class of objects; the others of ours follow, and one for those of users.
@@ -33,11 +34,17 @@ pub enum OutcomeLayer {
     IgnoredDetection,
     /// Detections that cannot be judged.
     Unknowable,
+    /// Detections that all detectors have, where nothing is labelled.
+    HadByAll,
+    /// Those that some others have.
+    HadBySome,
+    /// Those that no other has.
+    Alone,
 }
 
 impl OutcomeLayer {
     /// All layers, in the order of the legend.
-    pub const ALL: [Self; 7] = [
+    pub const ALL: [Self; 10] = [
         Self::Matched,
         Self::Found,
         Self::Missed,
@@ -45,6 +52,9 @@ impl OutcomeLayer {
         Self::IgnoredAnnotation,
         Self::IgnoredDetection,
         Self::Unknowable,
+        Self::HadByAll,
+        Self::HadBySome,
+        Self::Alone,
     ];
 
     /// The last part of its entity path.
@@ -57,6 +67,9 @@ impl OutcomeLayer {
             Self::IgnoredAnnotation => "ignored_annotations",
             Self::IgnoredDetection => "ignored_detections",
             Self::Unknowable => "unknowable",
+            Self::HadByAll => "had_by_all",
+            Self::HadBySome => "had_by_some",
+            Self::Alone => "alone",
         }
     }
 
@@ -74,6 +87,9 @@ impl OutcomeLayer {
             Self::IgnoredAnnotation => ("ignored annotation", palette::IGNORED),
             Self::IgnoredDetection => ("ignored detection", palette::IGNORED),
             Self::Unknowable => ("detection that cannot be judged", palette::IGNORED),
+            Self::HadByAll => (Agreement::All.name(), palette::HAD_BY_ALL),
+            Self::HadBySome => (Agreement::Some.name(), palette::HAD_BY_SOME),
+            Self::Alone => (Agreement::Alone.name(), palette::ALONE),
         }
     }
 }
@@ -137,18 +153,26 @@ pub const TITLE_POSITION: [f32; 2] = [3.9, -1.5];
 /// From dot to dot: the names below them are wider than high.
 const STEP: [f32; 2] = [2.6, 1.1];
 
-/// Dots of outcomes above those of surfaces: views in three dimensions have no legend of their own.
-pub fn outcome_dots() -> Vec<LegendDot> {
+/// Dots of outcomes, or of agreement where nothing is labelled, above those of surfaces: views in three dimensions have no legend of their own.
+pub fn outcome_dots(is_labelled: bool) -> Vec<LegendDot> {
     let surface = |it: SurfaceClass| (it.name(), palette::surface_color(it));
-    in_rows([
+    let boxes = if is_labelled {
         [
             ("matched", palette::MATCHED),
             ("missed", palette::MISSED),
             ("false", palette::FALSE),
             ("ignored", palette::IGNORED),
-        ],
-        [SurfaceClass::Short, SurfaceClass::Tall, SurfaceClass::Clutter, SurfaceClass::Ground].map(surface),
-    ])
+        ]
+    } else {
+        [
+            ("all have it", palette::HAD_BY_ALL),
+            ("some others", palette::HAD_BY_SOME),
+            ("no other", palette::ALONE),
+            ("ignored", palette::IGNORED),
+        ]
+    };
+    let surfaces = [SurfaceClass::Short, SurfaceClass::Tall, SurfaceClass::Clutter, SurfaceClass::Ground];
+    in_rows([boxes, surfaces.map(surface)])
 }
 
 /// Dots of lines that stages draw, and of scores.

@@ -9,6 +9,7 @@ use evaluation::matching::outcome::{AnnotationOutcome, Assignment, DetectionOutc
 use re_sdk_types::archetypes::{Arrows3D, Points3D, TextLog};
 use re_sdk_types::components::{Radius, TextLogLevel};
 use reports::verdicts::change::ChangeKind;
+use reports::vocabulary::reason::Agreement;
 use reports::vocabulary::task::Task;
 use rerun::{EntityPath, RecordingStream};
 use scans::annotation::LabeledScan;
@@ -163,12 +164,21 @@ fn detection_boxes(detections: &Detections, outcomes: &[DetectionOutcome]) -> Ve
             DetectionOutcome::Matched { .. } => (OutcomeLayer::Matched, "matched"),
             DetectionOutcome::False(reason) => (OutcomeLayer::False, reason.name()),
             DetectionOutcome::Ignored(reason) => (OutcomeLayer::IgnoredDetection, reason.name()),
-            DetectionOutcome::Unknowable => (OutcomeLayer::Unknowable, "cannot be judged"),
+            DetectionOutcome::Unknowable(None) => (OutcomeLayer::Unknowable, "cannot be judged"),
+            DetectionOutcome::Unknowable(Some(agreement)) => (agreement_layer(*agreement), agreement.name()),
         };
         let label = detection_label(detection_idx, &detection, reason);
         Some(LabeledBox { layer, drawn: detection.bounding_box, seen: detection.box_details.seen, label })
     });
     labeled.collect()
+}
+
+fn agreement_layer(agreement: Agreement) -> OutcomeLayer {
+    match agreement {
+        Agreement::All => OutcomeLayer::HadByAll,
+        Agreement::Some => OutcomeLayer::HadBySome,
+        Agreement::Alone => OutcomeLayer::Alone,
+    }
 }
 
 fn detection_label(detection_idx: usize, detection: &Detection<'_>, reason: &str) -> String {
@@ -182,7 +192,12 @@ fn detection_label(detection_idx: usize, detection: &Detection<'_>, reason: &str
 
 fn line_radius_px(layer: OutcomeLayer) -> f32 {
     match layer {
-        OutcomeLayer::Matched | OutcomeLayer::Missed | OutcomeLayer::False => 1.6,
+        OutcomeLayer::Matched
+        | OutcomeLayer::Missed
+        | OutcomeLayer::False
+        | OutcomeLayer::HadByAll
+        | OutcomeLayer::HadBySome
+        | OutcomeLayer::Alone => 1.6,
         OutcomeLayer::IgnoredAnnotation | OutcomeLayer::IgnoredDetection | OutcomeLayer::Unknowable => 0.7,
         // So thin that it does not fill the gaps between the dashes of the detection that found it.
         OutcomeLayer::Found => 0.35,
@@ -225,6 +240,7 @@ pub fn log_mistakes(
         let (level, color) = match mistake.kind {
             MistakeKind::Missed => ("MISSED", palette::MISSED),
             MistakeKind::False => ("FALSE", palette::FALSE),
+            MistakeKind::Alone => ("ALONE", palette::ALONE),
         };
         let line = TextLog::new(mistake.text.as_str())
             .with_level(TextLogLevel::from(level))

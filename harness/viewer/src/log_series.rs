@@ -3,7 +3,7 @@
 use std::time::Duration;
 
 use detector::detector::StageTime;
-use evaluation::matching::outcome::Assignment;
+use evaluation::matching::outcome::{Assignment, DetectionOutcome};
 use evaluation::metrics::counts::{Counts, FalseDetections};
 use re_sdk_types::archetypes::{Scalars, SeriesLines};
 use reports::vocabulary::task::Task;
@@ -23,10 +23,7 @@ const COUNT_LINES: [(&str, Rgb); 3] =
 ///
 /// [`StreamError::Log`] if Rerun refuses.
 pub fn log_lines(stream: &RecordingStream, detector: &str, detector_idx: usize) -> Result<(), StreamError> {
-    let line = SeriesLines::new()
-        .with_names([detector])
-        .with_colors([legend::rgba(palette::detector_color(detector_idx))])
-        .with_widths([2.0]);
+    let line = line_of(detector, detector_idx);
     for task in Task::ALL {
         recording::log_static(stream, entity_paths::f_rate(task, detector), &line)?;
         for (name, color) in COUNT_LINES {
@@ -35,6 +32,44 @@ pub fn log_lines(stream: &RecordingStream, detector: &str, detector_idx: usize) 
         }
     }
     recording::log_static(stream, entity_paths::latency(detector), &line)
+}
+
+fn line_of(detector: &str, detector_idx: usize) -> SeriesLines {
+    SeriesLines::new()
+        .with_names([detector])
+        .with_colors([legend::rgba(palette::detector_color(detector_idx))])
+        .with_widths([2.0])
+}
+
+/// Logs name and colour of the lines that the detector at `detector_idx` has where nothing is labelled.
+///
+/// # Errors
+///
+/// [`StreamError::Log`] if Rerun refuses.
+pub fn log_lines_without_labels(
+    stream: &RecordingStream,
+    detector: &str,
+    detector_idx: usize,
+) -> Result<(), StreamError> {
+    let line = line_of(detector, detector_idx);
+    Task::ALL.into_iter().try_for_each(|task| {
+        recording::log_static(stream, entity_paths::number_of_detections(task, detector), &line)
+    })
+}
+
+/// Logs how many detections of `assignment` its task asks for, at the current time.
+///
+/// # Errors
+///
+/// [`StreamError::Log`] if Rerun refuses.
+pub fn log_number_of_detections(
+    stream: &RecordingStream,
+    detector: &str,
+    assignment: &Assignment,
+) -> Result<(), StreamError> {
+    let n = assignment.detections.iter().filter(|it| **it != DetectionOutcome::NotAsked).count();
+    let path = entity_paths::number_of_detections(assignment.task, detector);
+    recording::log(stream, path, &Scalars::single(n as f64))
 }
 
 /// Logs how the lines of the series `names` are drawn, for the whole recording.

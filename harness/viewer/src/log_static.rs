@@ -21,8 +21,18 @@ pub fn log_static(stream: &RecordingStream) -> Result<(), StreamError> {
     recording::log_static(stream, entity_paths::WORLD, &context)?;
     recording::log_static(stream, entity_paths::FORWARD, &forward_arrow())?;
     recording::log_static(stream, entity_paths::RANGE_RINGS, &range_rings())?;
-    recording::log_static(stream, entity_paths::LEGEND_OUTCOMES, &drawn_legend(&legend::outcome_dots()))?;
+    log_legend(stream, true)?;
     recording::log_static(stream, entity_paths::LEGEND_STAGES, &drawn_legend(&legend::stage_dots()))
+}
+
+/// Logs the legend of outcomes, or of agreement where nothing is labelled.
+///
+/// # Errors
+///
+/// [`StreamError::Log`] if Rerun refuses.
+pub fn log_legend(stream: &RecordingStream, is_labelled: bool) -> Result<(), StreamError> {
+    let dots = legend::outcome_dots(is_labelled);
+    recording::log_static(stream, entity_paths::LEGEND_OUTCOMES, &drawn_legend(&dots))
 }
 
 /// Shows where the sensor is and which way the car drives.

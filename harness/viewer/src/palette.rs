@@ -26,6 +26,12 @@ pub const MISSED: Rgb = YELLOW;
 pub const FALSE: Rgb = VERMILION;
 /// A box that is neither right nor wrong.
 pub const IGNORED: Rgb = GREY;
+/// A detection that all detectors have, where nothing is labelled.
+pub const HAD_BY_ALL: Rgb = SKY_BLUE;
+/// One that some other detectors have.
+pub const HAD_BY_SOME: Rgb = YELLOW;
+/// One that no other detector has.
+pub const ALONE: Rgb = VERMILION;
 /// An object that a person, or the simulator, labelled.
 pub const ANNOTATION: Rgb = SKY_BLUE;
 /// Circles around the sensor.

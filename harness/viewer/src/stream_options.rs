@@ -60,8 +60,8 @@ pub struct Opening {
     pub first_tab: FirstTab,
     /// Whether the poses of the sensor are known for some scans at least.
     pub has_poses: bool,
-    /// Whether the start of the axis is shown first, instead of the end.
-    pub at_the_start: bool,
+    /// Whether a viewer that is streamed to follows the newest scan. A complete recording opens at the start of its axis.
+    pub follows: bool,
     /// Figures in a tab of their own, before all others; no such tab if there are none.
     pub figures: &'static [FigureView],
 }

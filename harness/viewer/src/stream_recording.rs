@@ -154,7 +154,7 @@ fn boxes_of(known: &KnownAtMoment) -> [Vec<OrientedBox>; 4] {
             MatchOutcome::Missed { annotation, .. } => {
                 missed.extend(annotation.bounding_box.as_ref().map(oriented_box));
             }
-            MatchOutcome::IgnoredDetection { detection, .. } | MatchOutcome::Unknowable { detection } => {
+            MatchOutcome::IgnoredDetection { detection, .. } | MatchOutcome::Unknowable { detection, .. } => {
                 ignored.push(oriented_box(&detection.bounding_box));
             }
             MatchOutcome::Tall { found_by, .. } => {

@@ -12,7 +12,7 @@ use evaluation::sweep::quality_pass::SweptDataset;
 use evaluation::sweep::sweep_plan::SweepPlan;
 use reports::numbers::sweep_score::{SweepScore, SweepScores};
 use reports::rows::counts::Counts;
-use reports::run_folder::run_directory::RunDirectory;
+use reports::run_folder::run_directory::{RunDirectory, SWEEP_RRD};
 use reports::run_folder::sweep_entry::SweptParameter;
 use reports::vocabulary::extent::Extent;
 use reports::vocabulary::task::Task;
@@ -27,9 +27,6 @@ use super::scan_views::{DetectorView, ScanView};
 use super::session::Stream;
 use super::stream_options::{FirstTab, Opening, RecordingTarget, StreamOptions};
 use super::viewer::ViewerChoice;
-
-/// The file in the directory.
-const SWEEP_RRD: &str = "sweep.rrd";
 
 /// Runs the detectors once more on the middle scan of `swept`, the first data set of `plan`, at every point, and records it.
 ///
@@ -55,7 +52,7 @@ pub fn record_sweep(
             shown_task,
             first_tab: FirstTab::Compare,
             has_poses: false,
-            at_the_start: true,
+            follows: false,
             figures: &[],
         },
         points: PointChoice::All,

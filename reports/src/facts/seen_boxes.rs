@@ -48,7 +48,7 @@ impl SeenBoxes {
             }
             MatchOutcome::False { detection, .. }
             | MatchOutcome::IgnoredDetection { detection, .. }
-            | MatchOutcome::Unknowable { detection } => (None, Some(detection)),
+            | MatchOutcome::Unknowable { detection, .. } => (None, Some(detection)),
         };
         if let Some((id, bounding_box)) = annotation.and_then(|it| Some((it.id, it.bounding_box?))) {
             boxes.push(SeenBox { task: row.task, detector: None, id, bounding_box });

@@ -21,44 +21,48 @@ pub(super) fn curves(facts: &RunFacts, files: &mut Vec<Figure>) -> Option<Sectio
         of_detectors.any(|(detector, positions)| detector == name && !positions.is_empty())
     };
     let key = key_of(&facts.detectors(), has_curve);
-    let panels: Vec<ThemedPanel> = facts.curves.iter().map(|it| panel(facts, it)).collect();
+    let is_drawn = |it: &&DatasetCurves| it.of_detectors.iter().any(|(_, positions)| positions.len() > 1);
+    let panels: Vec<ThemedPanel> = facts.curves.iter().filter(is_drawn).map(|it| panel(facts, it)).collect();
     let of_curves: Vec<(&DatasetCurves, Calibrations)> =
-        facts.curves.iter().map(|it| (it, calibrations(it))).collect();
+        facts.curves.iter().map(|it| (it, calibrations(it))).filter(|(_, bins)| is_enough(bins)).collect();
     let reliable: Vec<ThemedPanel> =
         of_curves.iter().map(|(curves, bins)| reliability_plot(&title(facts, curves), bins)).collect();
-    let mut shown_bins = of_curves.iter().flat_map(|(_, of_detectors)| of_detectors).flat_map(|it| &it.1);
-    let is_enough = shown_bins.any(|it| it.n >= LEAST_IN_BIN);
-    let errors: Vec<String> =
-        of_curves.iter().map(|(curves, bins)| format!("{}: {}", curves.dataset, errors_of(bins))).collect();
+    let errors: Vec<String> = of_curves
+        .iter()
+        .map(|(curves, bins)| format!("{}: {}", title(facts, curves), errors_of(bins)))
+        .collect();
     let content = html! {
         (FigureMarkup {
             file_stem: "precision_recall",
-            title: "Precision over recall of vehicles",
+            title: "Precision over recall",
             panels: &panels,
             key: &key,
             caption: html! {
-                "Precision over recall as the score threshold falls, from the most certain vehicle (left) to all (right end). "
+                "Precision over recall as the score threshold falls, from the most certain detection (left) to all (right end). "
                 "Up and to the right is better."
             },
             class: "",
         }.render(files))
-        @if is_enough {
+        @if !reliable.is_empty() {
+            details {
+                summary { "Are scores right?" }
         (FigureMarkup {
             file_stem: "reliability",
-            title: "How many vehicles are right, over how many are expected to be",
+            title: "How many detections are right, over how many are expected to be",
             panels: &reliable,
             key: &key,
             caption: html! {
-                "Vehicles in bins of the probability that their scores give them, by the share that is right; bins of fewer than "
+                "Detections in bins of the probability that their scores give them, by the share that is right; bins of fewer than "
                 "ten are left out. On the diagonal scores are right, below it detectors are too sure. Scores that all lie within "
                 "0 to 1 are probabilities, others logarithms of odds. "
                 "The mean distance from the diagonal: " (errors.join("; ")) "."
             },
             class: "",
         }.render(files))
+            }
         }
     };
-    Some(Section::new("Curves", "Precision and recall of vehicles", content))
+    Some(Section::new("Curves", "Precision and recall over scores", content))
 }
 
 fn panel(facts: &RunFacts, curves: &DatasetCurves) -> ThemedPanel {
@@ -73,6 +77,11 @@ fn calibrations(curves: &DatasetCurves) -> Calibrations {
     curves.operating.iter().map(|(name, points)| (name.clone(), calibration_of_scores(points))).collect()
 }
 
+/// Whether some detector has enough detections for a bin.
+fn is_enough(of_detectors: &Calibrations) -> bool {
+    of_detectors.iter().flat_map(|it| &it.1).any(|it| it.n >= LEAST_IN_BIN)
+}
+
 /// The calibration error of every detector in percent: its mean distance from the diagonal.
 fn errors_of(of_detectors: &[(String, Vec<CalibrationBin>)]) -> String {
     let error = |(name, bins): &(String, Vec<CalibrationBin>)| {
@@ -81,8 +90,9 @@ fn errors_of(of_detectors: &[(String, Vec<CalibrationBin>)]) -> String {
     of_detectors.iter().filter_map(error).collect::<Vec<_>>().join(", ")
 }
 
-/// Title of a panel: id of the data set, and whether it is simulated.
+/// Title of a panel: what is detected, on which data set, and whether it is simulated.
 fn title(facts: &RunFacts, curves: &DatasetCurves) -> String {
     let is_simulated = facts.manifest.datasets.iter().any(|it| it.id == curves.dataset && it.simulated);
-    if is_simulated { format!("{} (simulated)", curves.dataset) } else { curves.dataset.clone() }
+    let simulated = if is_simulated { " (simulated)" } else { "" };
+    format!("{}, {}{simulated}", curves.task, curves.dataset)
 }

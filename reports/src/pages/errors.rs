@@ -32,21 +32,28 @@ pub(super) fn errors(facts: &RunFacts, files: &mut Vec<Figure>) -> Option<Sectio
     (!tasks.is_empty()).then(|| Section::new("Errors", "Errors by reason", content))
 }
 
+/// Beginning of the names of figures of losses.
+const LOSSES: &str = "losses_";
+
 /// Figure of the losses of objects, stage by stage; empty without losses.
 fn losses(facts: &RunFacts, errors: &ErrorTable<'_>, stem_end: &str, files: &mut Vec<Figure>) -> Markup {
+    let is_first = !files.iter().any(|it| it.file_stem.starts_with(LOSSES));
     let losses = Losses::of(errors, |it| facts.detector_idx(it));
     let panels: Vec<ThemedPanel> = losses.iter().map(loss_plot).collect();
     if panels.is_empty() {
         return html! {};
     }
     FigureMarkup {
-        file_stem: &format!("losses_{stem_end}"),
-        title: "Where objects are lost, from annotated to found",
+        file_stem: &format!("{LOSSES}{stem_end}"),
+        title: &format!("Where objects are lost, from annotated to found: {}", stem_end.replace('_', " ")),
         panels: &panels,
         key: &[],
         caption: html! {
-            "Where objects are lost: each bar begins where those before it leave off. An object is lost at a stage if more than half of its points \
-             are in no detection, and most of these were lost there; only detectors that leave their stages behind say so."
+            "Where objects are lost: each bar begins where those before it leave off. "
+            @if is_first {
+                "An object is lost at a stage if more than half of its points are in no detection, and most of these were lost \
+                 there; only detectors that leave their stages behind say so."
+            }
         },
         class: "",
     }
@@ -57,19 +64,16 @@ fn of_task(title: &str, errors: &ErrorTable<'_>, losses: &Markup) -> Markup {
     let sheet = errors.sheet();
     html! {
         h3 { (title) }
-        @for sentence in errors.largest_gains() { p.about { (sentence) } }
         (losses)
-        @for (idx, part) in sheet.parts.iter().enumerate() {
-            @let label = part.title.as_deref().unwrap_or("Errors");
-            @if idx == 0 {
+        details {
+            summary { "Missed and false, by reason" }
+            @for sentence in errors.largest_gains() { p.about { (sentence) } }
+            @for part in sheet.parts.iter().filter(|it| !it.grid.lines.is_empty()) {
+                @if let Some(label) = &part.title { p { (label) } }
+                @let label = part.title.as_deref().unwrap_or("Errors");
                 (table(&part.grid, &sheet.notes, &format!("{title}: {label}")))
-            } @else if !part.grid.lines.is_empty() {
-                details {
-                    summary { (label) }
-                    (table(&part.grid, &sheet.notes, &format!("{title}: {label}")))
-                }
             }
+            (sentences(&sheet.notes))
         }
-        (sentences(&sheet.notes))
     }
 }

@@ -26,7 +26,10 @@ pub(super) fn labels(facts: &RunFacts, files: &mut Vec<Figure>) -> Option<Sectio
         .collect();
     (!pictures.is_empty()).then(|| {
         let content = html! {
-            @for picture in &pictures { (picture) }
+            details {
+                summary { "Points in labelled boxes, from above and from the side" }
+                @for picture in &pictures { (picture) }
+            }
         };
         Section::new("Labels", "Labels", content)
     })

@@ -37,7 +37,7 @@ impl FigureMarkup<'_> {
         html! {
             figure {
                 (key(self.key))
-                div class={ "panels " (self.class) } {
+                div class={ "panels " (self.class) } tabindex="0" role="region" aria-label=(self.title) {
                     @for panel in self.panels { (PreEscaped(panel.inline())) }
                 }
                 figcaption { (self.caption) }

@@ -9,6 +9,7 @@ mod overview;
 mod task_tables;
 mod classes;
 mod ranges;
+mod recall_parts;
 mod curves;
 mod agreement;
 mod times;

@@ -14,11 +14,16 @@ pub(super) fn protocols(facts: &RunFacts) -> Option<Section> {
     let [short, every] = [ProtocolLines::Short, ProtocolLines::Every]
         .map(|it| ProtocolTable::all(report, &facts.manifest, it));
     let content = html! {
-        p.about { "The numbers that the makers' own programs give, with intervals." }
+        p.about { "The numbers that the makers' own programs give." }
         @for (short, every) in short.iter().zip(&every) {
             h3 { "Protocol " (short.protocol) }
-            (grids(short))
+            @for pool in &facts.pools {
+                @let label = format!("Protocol {}{}", short.protocol, facts.of_pool(&pool.pool)[1]);
+                @let sheet = short.sheet();
+                (table(&short.values_of(&pool.pool), &sheet.notes, &label))
+            }
             @if let Some(published) = short.protocol.published() { p.about { (published) } }
+            details { summary { "Each data set, with intervals" } (grids(short)) }
             @if short.is_short() {
                 details { summary { "All numbers" } (grids(every)) }
             }

@@ -13,7 +13,7 @@ pub(super) fn ranges(facts: &RunFacts, files: &mut Vec<Figure>) -> Section {
                      counted. ";
     let of_pools = || facts.pools.iter().flat_map(|pool| pool.ranges.iter().map(move |it| (pool, it)));
     let content = html! {
-        @for (pool, of_task) in of_pools() {
+        @for (idx, (pool, of_task)) in of_pools().enumerate() {
             @let ([file_end, on], origin) = (facts.of_pool(&pool.pool), pool.pool.origin.name());
             @let together = if pool.pool.is_of_several() { ", all data sets together" } else { "" };
             @let has_curve = |name: &str| {
@@ -29,8 +29,9 @@ pub(super) fn ranges(facts: &RunFacts, files: &mut Vec<Figure>) -> Section {
                 panels: &panels,
                 key: &key_of(&facts.detectors(), has_curve),
                 caption: html! {
-                    "By horizontal distance from the sensor" (together) " (" (origin)
-                    "), with 95 % intervals" (pool.caveat("")) ". An annotation counts at its own range, a false detection at its own. "
+                    "By distance from the sensor" (together) " (" (origin)
+                    "), with 95 % intervals" (pool.caveat("")) ". "
+                    @if idx == 0 { "An annotation counts at its own range, a false detection at its own. " }
                     "Annotations that count: " (annotations(of_task)) ". "
                     @if !of_task.rates.iter().any(|(name, _)| *name == "precision") { (undefined) }
                 },

@@ -101,6 +101,7 @@ fn claim(judged: &JudgedClaim) -> Markup {
             @if let Some([n_holding, n]) = settings { " · under " (n_holding) " of " (n) " settings" }
             " · " (claim.paper.short_name()) " " (claim.place) " · printed: " (claim.printed)
         }
+        @if let Some(rule) = claim.test.rule() { p.about { "It holds if " (rule) "." } }
         ul {
             @for seen in readings {
                 li {

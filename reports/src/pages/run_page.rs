@@ -13,6 +13,7 @@ use super::overview::{header, heading, verdict};
 use super::parameters::parameters;
 use super::protocols::protocols;
 use super::ranges::ranges;
+use super::recall_parts::recall_parts;
 use super::reproduction::reproduction;
 use super::task_tables::task_tables;
 use super::times::times;
@@ -39,18 +40,22 @@ impl RunPage {
         let mut figures = Vec::new();
         let mut sections = vec![verdict(facts, &mut figures)];
         if facts.is_scored() {
-            sections.push(task_tables(&facts.tables));
+            sections.extend(recall_parts(facts));
             sections.extend(classes(facts));
-            sections.extend(slices(facts));
-            sections.extend(protocols(facts));
             sections.push(ranges(facts, &mut figures));
             sections.extend(curves(facts, &mut figures));
+            sections.extend(slices(facts));
+            sections.extend(protocols(facts));
+            sections.push(task_tables(&facts.tables));
         }
         sections.extend(agreement(facts));
-        sections.push(times(facts, &mut figures));
         if facts.is_scored() {
+            sections.push(times(facts, &mut figures));
             sections.extend(errors(facts, &mut figures));
             sections.extend(worst(facts));
+        } else {
+            sections.extend(worst(facts));
+            sections.push(times(facts, &mut figures));
         }
         sections.extend(labels(facts, &mut figures));
         sections.push(reproduction(facts));

@@ -160,7 +160,7 @@ impl SampleRun<'_> {
             let beyond = if knows_false(dataset) || task == Task::Vehicles {
                 MatchOutcome::False { detection: false_one, reason: FalseReason::NothingThere }
             } else {
-                MatchOutcome::Unknowable { detection: false_one }
+                MatchOutcome::Unknowable { detection: false_one, agreement: None }
             };
             let row = |outcome| {
                 let [dataset, sequence, detector] = [dataset, "drive", detector].map(str::to_owned);

@@ -4,15 +4,19 @@ use std::path::Path;
 
 use maud::{Markup, html};
 
+use super::again::Made;
 use super::document::{Section, document};
 use super::markup::wide_picture;
 use crate::files::archive::ArchiveError;
 use crate::files::csv_rows::MOST_OF_LINE;
 use crate::files::regular_file::{BoundedLines, RegularFile, read_text};
 use crate::files::whole_file::write_whole;
+use crate::plots::curve_panels::NOTHING_DRAWN;
+use crate::run_folder::manifest::Manifest;
 use crate::run_folder::run_directory::{
-    REPORT_HTML, SWEEP_BEST_TXT, SWEEP_CSV, SWEEP_PROTOCOLS_CSV, SWEEP_TIMES_CSV,
+    REPORT_HTML, SWEEP_BEST_TXT, SWEEP_CSV, SWEEP_PROTOCOLS_CSV, SWEEP_RRD, SWEEP_TIMES_CSV,
 };
+use crate::run_folder::run_target::MANIFEST_JSON;
 
 /// The largest plot or text that becomes part of the page, in bytes.
 const MOST_OF_PLOT: u64 = 1 << 26;
@@ -90,17 +94,27 @@ impl SweepPage {
         } else {
             String::new()
         };
+        let manifest_path = directory.join(MANIFEST_JSON);
+        let manifest = if manifest_path.is_file() { Some(Manifest::read(&manifest_path)?) } else { None };
         let header = html! {
             p.kicker { "scanbench" }
             h1 { "Sweep of " (scores.swept()) }
-            p.facts { (scores.rows.len()) " rows of detectors, data sets and tasks" }
+            p.facts {
+                (scores.rows.len()) " rows of detectors, data sets and tasks"
+                @if let Some(it) = &manifest {
+                    " · " (it.created.replace('T', " ").replace('Z', " UTC")) " · " (it.machine.cpu_model) " · scanbench "
+                    (it.scanbench_version)
+                }
+            }
         };
         let mut sections = Vec::new();
         if !best.is_empty() {
             let content = html! { div.verdict { @for text in best.lines() { p { (text) } } } };
             sections.push(Section::without_heading("Best", content));
         }
-        sections.extend(PLOTS.iter().filter_map(|it| it.section(&plots)));
+        // Plots of numbers come before those that say that there are none.
+        let (empty, drawn): (Vec<_>, Vec<_>) = PLOTS.iter().partition(|it| it.is_empty(&plots));
+        sections.extend(drawn.into_iter().chain(empty).filter_map(|it| it.section(&plots)));
         let content = html! {
             details { summary { "sweep.csv" } (scores.markup(SWEEP_CSV)) }
             @if let Some(protocols) = &protocols {
@@ -109,6 +123,7 @@ impl SweepPage {
             @if let Some(times) = &times { details { summary { "times.csv" } (times.markup(SWEEP_TIMES_CSV)) } }
         };
         sections.push(Section::new("Table", "All numbers", content));
+        sections.extend(manifest.as_ref().map(|it| again(it, directory.join(SWEEP_RRD).is_file())));
         Ok(Self { html: document("a sweep", &header, &sections) })
     }
 
@@ -127,9 +142,16 @@ impl PlotKind {
         name.starts_with(self.beginning)
     }
 
+    /// Whether none of its plots shows a series.
+    fn is_empty(&self, plots: &[(String, String)]) -> bool {
+        !plots.iter().any(|(name, svg)| self.holds(name) && !svg.contains(NOTHING_DRAWN))
+    }
+
     /// The section of its plots among `plots`, which are names and contents; `None` if there are none.
     fn section(&self, plots: &[(String, String)]) -> Option<Section> {
-        let of_kind: Vec<_> = plots.iter().filter(|(name, _)| self.holds(name)).collect();
+        let mut of_kind: Vec<_> = plots.iter().filter(|(name, _)| self.holds(name)).collect();
+        // Stable: as their names, but for those that show nothing.
+        of_kind.sort_by_key(|(_, svg)| svg.contains(NOTHING_DRAWN));
         let content = html! {
             @for (name, svg) in &of_kind {
                 @if is_whole(svg) {
@@ -141,6 +163,17 @@ impl PlotKind {
         };
         (!of_kind.is_empty()).then(|| Section::new(self.name, self.heading, content))
     }
+}
+
+/// How to make the sweep again, and where its recording is.
+fn again(manifest: &Manifest, is_recorded: bool) -> Section {
+    let content = html! {
+        (Made::of(manifest).markup())
+        @if is_recorded {
+            p { "Its recording shows one scan at all points: " code { "rerun " (SWEEP_RRD) } " in this folder." }
+        }
+    };
+    Section::new("Again", "Run it again", content)
 }
 
 fn names_of_plots(directory: &Path) -> Result<Vec<String>, ArchiveError> {

@@ -12,17 +12,15 @@ pub(super) fn task_tables(tables: &[TaskTable]) -> Section {
     let content = html! {
         @for task in tables {
             @let sheet = task.sheet();
-            h3 { "Task " (task.task) }
-            p.about { "Rates in %. " (about_matching(&task.matching_criterion)) }
-            @if let [main, counts] = &sheet.parts[..] {
-                (table(&main.grid, &sheet.notes, &format!("Task {}: rates and speeds", task.task)))
-                details {
-                    summary { "Counts" }
-                    (table(&counts.grid, &sheet.notes, &format!("Task {}: counts", task.task)))
+            details {
+                summary { "Task " (task.task) ": rates, speeds and counts" }
+                p.about { "Rates in %. " (about_matching(&task.matching_criterion)) }
+                @for (part, what) in sheet.parts.iter().zip(["rates and speeds", "counts"]) {
+                    (table(&part.grid, &sheet.notes, &format!("Task {}: {what}", task.task)))
                 }
+                (sentences(&sheet.notes))
             }
-            (sentences(&sheet.notes))
         }
     };
-    Section::new("Tables", "Found, missed and false", content)
+    Section::new("Tables", "Each data set", content)
 }

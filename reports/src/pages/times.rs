@@ -49,15 +49,15 @@ pub(super) fn times(facts: &RunFacts, files: &mut Vec<Figure>) -> Section {
                     class: "single",
                 }.render(files))
             }
-            div {
-                @for part in &sheet.parts {
-                    (table(&part.grid, &sheet.notes, "Times of scans"))
-                }
-                (sentences(&sheet.notes))
-            }
+        }
+        details {
+            summary { "Percentiles and scans per second" }
+            @for part in &sheet.parts { (table(&part.grid, &sheet.notes, "Times of scans")) }
+            (sentences(&sheet.notes))
         }
         @if !stages.is_empty() {
-            h3 { "Stage by stage" }
+            details {
+            summary { "Stage by stage" }
             (FigureMarkup {
                 file_stem: "stages",
                 title: &format!("Median times of stages ({origin})"),
@@ -68,6 +68,7 @@ pub(super) fn times(facts: &RunFacts, files: &mut Vec<Figure>) -> Section {
                 },
                 class: "stages",
             }.render(files))
+            }
         }
     };
     Section::new("Times", "Times", content)

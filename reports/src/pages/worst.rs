@@ -1,5 +1,7 @@
 //! The worst mistakes and a few of the best matches, drawn from above.
 
+use std::collections::BTreeSet;
+
 use maud::{Markup, PreEscaped, html};
 
 use super::document::Section;
@@ -9,37 +11,54 @@ use crate::facts::run_facts::RunFacts;
 use crate::facts::seen_boxes::{SeenBox, scan_name};
 use crate::plots::scene_plot::{Scene, SceneDetection, scene_keys, scene_plot};
 use crate::run_folder::run_directory::VIEWER;
-use crate::vocabulary::reason::MistakeKind;
+use crate::vocabulary::reason::ShownKind;
 use crate::vocabulary::task::Task;
 use crate::worst::mistakes::scan_address;
 use crate::worst::objects::{MistakeList, WorstObject};
 use crate::worst::recorded::RecordedObject;
 
-/// The section of worst mistakes; `None` if there are none with a position, and no matches.
+/// The section of worst mistakes and best matches, and of what one detector alone has where nothing is labelled; `None` if
+/// none of them has a position.
 pub(super) fn worst(facts: &RunFacts) -> Option<Section> {
     if facts.worst.lists().all(|(_, objects)| objects.is_empty()) {
         return None;
     }
-    let mut tasks: Vec<Task> = facts.rankings.iter().map(|it| it.task).collect();
-    tasks.dedup();
+    let tasks: BTreeSet<Task> =
+        facts.worst.lists().map(|(list, _)| list.task).filter(|it| it.class().is_none()).collect();
+    let lists: Vec<(Task, &str)> =
+        tasks.into_iter().flat_map(|task| facts.detectors().into_iter().map(move |it| (task, it))).collect();
+    let is_labelled = facts.worst.lists().any(|(list, _)| list.kind != ShownKind::Alone);
     let content = html! {
         p.about {
-            "The missed and false objects with the most points, each object once, and two of the closest matches. Forward is up; the wedge at the edge points to the sensor, and a cross (+) is the sensor. "
-            code { "scanbench view RUN --at SCAN" } " opens a scan in the viewer. "
+            @if is_labelled {
+                "The missed and false objects with the most points, each object once, and two of the closest matches. "
+            } @else {
+                "The detections with the most points that no other detector has, each object once. "
+            }
+            "Forward is up; the wedge at the edge points to the sensor, and a cross (+) is the sensor. "
+            "The command below a picture, given in the run directory, opens its scan in the viewer. "
             @if facts.points.is_some() { "Dots are points of the scan: dark above the road, pale on the road." }
         }
-        (key(&scene_keys(&facts.detectors())))
-        @for &task in &tasks {
-            @for (detector_idx, detector) in facts.detectors().iter().enumerate() {
-                (of_detector(facts, task, detector, detector_idx == 0))
+        (key(&scene_keys(&facts.detectors(), is_labelled)))
+        @if let Some((first, others)) = lists.split_first() {
+            (of_detector(facts, *first, true))
+            @if !others.is_empty() {
+                details.worst {
+                    summary { "Other tasks and detectors" }
+                    @for it in others { (of_detector(facts, *it, false)) }
+                }
             }
         }
     };
-    Some(Section::new("Worst", "Worst mistakes and best matches, seen from above", content))
+    Some(if is_labelled {
+        Section::new("Worst", "Worst mistakes and best matches, seen from above", content)
+    } else {
+        Section::new("Alone", "What one detector alone has, seen from above", content)
+    })
 }
 
-fn of_detector(facts: &RunFacts, task: Task, detector: &str, is_open: bool) -> Markup {
-    let lists = [Some(MistakeKind::Missed), Some(MistakeKind::False), None].map(|kind| {
+fn of_detector(facts: &RunFacts, (task, detector): (Task, &str), is_open: bool) -> Markup {
+    let lists = ShownKind::ALL.map(|kind| {
         let list = MistakeList { task, detector: detector.to_owned(), kind };
         (kind, facts.worst.of(&list))
     });
@@ -47,7 +66,8 @@ fn of_detector(facts: &RunFacts, task: Task, detector: &str, is_open: bool) -> M
         @if lists.iter().any(|(_, objects)| !objects.is_empty()) {
             details.worst open[is_open] {
                 summary { "Task " (task) ": " (detector) }
-                div.scenes {
+                @let label = format!("Mistakes and matches of {detector}, task {task}");
+                div.scenes tabindex="0" role="region" aria-label=(label) {
                     @for (kind, objects) in lists {
                         @for worst in objects { (scene(facts, task, detector, kind, worst)) }
                     }
@@ -61,10 +81,10 @@ fn scene(
     facts: &RunFacts,
     task: Task,
     detector: &str,
-    kind: Option<MistakeKind>,
+    kind: ShownKind,
     worst: &WorstObject<Surroundings>,
 ) -> Markup {
-    let word = kind.map_or("matched", MistakeKind::name);
+    let word = kind.name();
     let boxes = facts.boxes.get(&scan_name(worst)).map_or(&[][..], Vec::as_slice);
     let is_near = |it: &&SeenBox| {
         let [x_m, y_m, _] = it.bounding_box.center_m;
@@ -100,12 +120,12 @@ fn scene(
         label,
     );
     html! {
-        figure.scene.matched[kind.is_none()] {
+        figure.scene.matched[kind == ShownKind::Matched] {
             (PreEscaped(plot.inline()))
             figcaption {
-                strong { (word) " " (worst.class) } ": " (worst.reason) br;
+                strong { @if kind != ShownKind::Alone { (word) " " } (worst.class) } ": " (worst.reason) br;
                 (worst.n_points) " points, " (format!("{range_m:.1}")) " m away" br;
-                span.where { code { (scan_address(&object.dataset, &object.sequence, object.scan)) } @if is_simulated { " (simulated)" } }
+                span.where { code { "scanbench view . --at " (scan_address(&object.dataset, &object.sequence, object.scan)) } @if is_simulated { " (simulated)" } }
                 @if let Some(RecordedObject { recording, step, .. }) = facts.in_viewer.as_ref().and_then(|it| it.of(object)) {
                     br; a href=(format!("{VIEWER}/index.html#recording={recording}&scan={step}")) target="scanbench-viewer" { "show it in the viewer" }
                 }

@@ -11,14 +11,16 @@ use super::series::{KEY_LINE_PX, Points, Position, Series, key_lines, key_name, 
 
 const WIDTH_PX: u32 = 900;
 const PANEL_PX: u32 = 300;
+/// What a panel says that has no value.
+pub(crate) const NOTHING_DRAWN: &str = "undefined throughout";
 /// Room above and below the values, as a share of their spread.
-const HEADROOM: f64 = 0.08;
+const HEADROOM: f64 = 0.12;
 
 /// A marked position, with its text.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) enum Note {
-    /// A ring around the position.
-    Ring((f64, f64), String),
+    /// A ring around the position, with the text above the value `top`.
+    Ring { at: (f64, f64), top: f64, text: String },
     /// A small ring around the position, with the text aside.
     Front((f64, f64), String),
     /// A dotted line through the panel.
@@ -75,7 +77,7 @@ pub(crate) fn curve_figure(panels: &[CurvePanel], title: &str) -> Figure {
 
 fn drawn(panel: &CurvePanel) -> Panel {
     let Some([x, y]) = ranges(panel) else {
-        let nothing = format!("{}: undefined throughout", panel.title);
+        let nothing = format!("{}: {NOTHING_DRAWN}", panel.title);
         return Panel { marks: vec![key_name(&nothing, LEFT_PX, 40.0)], chart: None };
     };
     let mut marks = vec![Mark::line(panel.thread.iter().copied(), BLACK, 1)];
@@ -97,9 +99,9 @@ fn note_marks(note: &Note, [left, right]: [f64; 2], y: [f64; 2]) -> Vec<Mark> {
         Mark::text(position, aside_px, text, text_style(TEXT_PX - 1, horizontal, vertical))
     };
     match note {
-        Note::Ring(position, said) => vec![
-            Mark::circle(*position, 9, BLACK.stroke_width(2)),
-            text(*position, [0, -12], said, (HPos::Center, VPos::Bottom)),
+        Note::Ring { at, top, text: said } => vec![
+            Mark::circle(*at, 9, BLACK.stroke_width(2)),
+            text((at.0, top.max(at.1)), [0, -12], said, (HPos::Center, VPos::Bottom)),
         ],
         Note::Front(position, said) => vec![
             Mark::circle(*position, 7, BLACK.stroke_width(1)),
@@ -126,7 +128,10 @@ fn ranges(panel: &CurvePanel) -> Option<[[f64; 2]; 2]> {
     };
     let ys = |it: &Position| [it.y, it.within.map_or(it.y, |it| it[0]), it.within.map_or(it.y, |it| it[1])];
     let noted_x = panel.notes.iter().map(|it| match it {
-        Note::Ring((x, _), _) | Note::Front((x, _), _) | Note::Upright(x, _) | Note::Cross((x, _)) => *x,
+        Note::Ring { at: (x, _), .. }
+        | Note::Front((x, _), _)
+        | Note::Upright(x, _)
+        | Note::Cross((x, _)) => *x,
     });
     let x = spread(&mut positions().map(|it| it.x).chain(noted_x));
     let y = panel.y_range.unwrap_or_else(|| spread(&mut positions().flat_map(ys)));

@@ -39,7 +39,8 @@ pub fn fitness_plot(sweep: &SweepScores, extent: &Extent) -> Option<String> {
             && let Some(at) = fitness_position(of_first[fittest].0, of_first[fittest].1)
         {
             let text = first.points[fittest].x_text.to_owned();
-            notes.push(Note::Ring((at.x, at.y), text));
+            let top = at.within.map_or(at.y, |it| it[1]);
+            notes.push(Note::Ring { at: (at.x, at.y), top, text });
         }
         if let Some(best) = first.best() {
             let text = format!("best {} {}", best.reached.rate_name(), best.x_text);

@@ -25,6 +25,13 @@ pub struct RankingRow {
     pub paper_percent: Option<f64>,
 }
 
+impl RankingRow {
+    /// Its rate, or that it has none.
+    pub(super) fn value_text(&self) -> String {
+        self.percent.map_or_else(|| "undefined".to_owned(), |it| format!("{} %", fixed_decimals(it, 1)))
+    }
+}
+
 /// Width of a panel, and bounds of the width of its column of names.
 struct Layout {
     width_px: u32,
@@ -60,7 +67,7 @@ pub fn study_plot(title: &str, rate: &str, parts: &[(String, Vec<RankingRow>)]) 
 }
 
 fn panel(title: &str, rate: &str, rows: &[RankingRow], layout: &Layout) -> ThemedPanel {
-    let texts: Vec<String> = rows.iter().map(|it| format!("{} {}", it.name, value_text(it))).collect();
+    let texts: Vec<String> = rows.iter().map(|it| format!("{} {}", it.name, it.value_text())).collect();
     let caveat_px = if rate.contains(CAVEAT) { CAVEAT_PX } else { 0 };
     let size_px = [layout.width_px, HEADING_PX + ROW_PX * rows.len() as u32 + AXIS_PX + caveat_px];
     Figure::of_marks(size_px, marks(title, rate, rows, layout))
@@ -82,10 +89,6 @@ fn shortened(name: &str, n_letters: usize) -> String {
         return name.to_owned();
     }
     name.chars().take(n_letters.saturating_sub(1)).chain(['…']).collect()
-}
-
-fn value_text(row: &RankingRow) -> String {
-    row.percent.map_or_else(|| "undefined".to_owned(), |it| format!("{} %", fixed_decimals(it, 1)))
 }
 
 fn marks(title: &str, rate: &str, rows: &[RankingRow], layout: &Layout) -> Vec<Mark> {
@@ -118,7 +121,7 @@ fn marks(title: &str, rate: &str, rows: &[RankingRow], layout: &Layout) -> Vec<M
         let y_px = f64::from(top_px + ROW_PX / 2);
         let name = shortened(&row.name, n_letters);
         marks.push(text((names_px - f64::from(NAME_GAP_PX), y_px), name, HPos::Right));
-        marks.push(text((width_px - 2.0, y_px), value_text(row), HPos::Right));
+        marks.push(text((width_px - 2.0, y_px), row.value_text(), HPos::Right));
         let mark = SeriesMark(row.detector_idx);
         marks.extend(row.paper_percent.map(|it| Mark::diamond((x_px(it), y_px))));
         marks.extend(
@@ -137,8 +140,8 @@ fn text(position_px: (f64, f64), text: String, horizontal: HPos) -> Mark {
 const TICK_PERCENT: f64 = 10.0;
 
 /// Ends of the axis: whole tens around all that is drawn.
-fn axis(rows: &[RankingRow]) -> [f64; 2] {
-    let values = rows.iter().flat_map(|it| {
+pub(super) fn axis<'a>(rows: impl IntoIterator<Item = &'a RankingRow>) -> [f64; 2] {
+    let values = rows.into_iter().flat_map(|it| {
         let [low, high] = it.interval_percent.map_or([None; 2], |ends| ends.map(Some));
         [it.percent, it.paper_percent, low, high]
     });
@@ -171,7 +174,7 @@ mod tests {
     #[test]
     fn the_axis_is_whole_tens_around_all_that_is_drawn() {
         assert_eq!(axis(&[row(Some(61.0)), row(None)]), [50.0, 90.0]);
-        assert_eq!(axis(&[]), [0.0, 100.0]);
+        assert_eq!(axis([]), [0.0, 100.0]);
         let exact = RankingRow { interval_percent: None, paper_percent: None, ..row(Some(100.0)) };
         assert_eq!(axis(&[exact]), [90.0, 100.0]);
     }

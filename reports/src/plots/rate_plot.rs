@@ -1,6 +1,6 @@
 //! The plot of the rates of a sweep over its first parameter.
 
-use super::curve_panels::{CurvePanel, curve_figure};
+use super::curve_panels::{CurvePanel, Note, curve_figure};
 use super::sweep_panels::{about_bars, add_curve, curves_of, heading, marks_of};
 use crate::numbers::sweep_score::SweepScores;
 use crate::vocabulary::extent::Extent;
@@ -21,6 +21,11 @@ pub fn rate_plot(sweep: &SweepScores, extent: &Extent) -> String {
         };
         add_curve(&mut panels, panel, curve, marks.mark(&first.subject.detector, 0), 100.0);
     }
+    let configured = sweep.configured.as_ref().and_then(|it| it.parse::<f64>().ok());
+    if let Some(x) = configured {
+        let of_numbers = panels.iter_mut().filter(|it| it.x_words.is_none());
+        of_numbers.for_each(|it| it.notes.push(Note::Upright(x, "configured".to_owned())));
+    }
     let title = format!("{}. Ring: best. {}", heading(&curves), about_bars(&curves));
     curve_figure(&panels, &title).svg(&title)
 }
@@ -36,6 +41,9 @@ mod tests {
         let sweep = cell_sizes(&[(4, Some(6), None, 0.1), (8, Some(2), None, 0.3), (7, Some(2), None, 0.2)]);
         let svg = rate_plot(&sweep, &street());
         check_holds(&svg, &["street (simulated)", "cell size (m)", "F-rate (%)", "objects", ">0.4<"]);
+        check_holds(&svg, &[">configured<"]);
+        let elsewhere = SweepScores { configured: None, ..sweep };
+        assert!(!rate_plot(&elsewhere, &street()).contains(">configured<"));
         let recall = cell_sizes(&[(4, None, None, 0.1), (8, None, None, 0.3)]);
         check_holds(&rate_plot(&recall, &street()), &["recall (%)"]);
     }

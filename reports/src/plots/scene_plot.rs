@@ -76,7 +76,7 @@ pub fn scene_plot(scene: &Scene<'_>, label: String) -> ThemedPanel {
 }
 
 /// The key to scenes of detectors with these names.
-pub fn scene_keys(names: &[&str]) -> Vec<KeyEntry> {
+pub fn scene_keys(names: &[&str], is_labelled: bool) -> Vec<KeyEntry> {
     let entry = |name: &str, elements: String| {
         let swatch = ThemedPanel { size_px: KEY_SIZE_PX, label: name.to_owned(), elements };
         KeyEntry { name: name.to_owned(), swatch }
@@ -85,8 +85,11 @@ pub fn scene_keys(names: &[&str]) -> Vec<KeyEntry> {
         entry(name, stroked(r#"path d="M1 8h34""#, color, width_px, dashes_px))
     };
     let subject = subject_shape(r#"rect x="6" y="1" width="24" height="14""#);
-    let mut keys =
-        vec![entry("missed, false or matched object", subject), sample("annotated", BLACK, 1.8, None)];
+    let mut keys = if is_labelled {
+        vec![entry("missed, false or matched object", subject), sample("annotated", BLACK, 1.8, None)]
+    } else {
+        vec![entry("found by no other", subject)]
+    };
     keys.extend(
         names
             .iter()
@@ -163,9 +166,14 @@ fn runs(cells: &[[i32; 2]]) -> String {
     let mut positions: Vec<[i32; 2]> = cells.iter().map(|[forward, left]| [-forward, -left]).collect();
     positions.sort_unstable();
     let mut path = String::new();
+    // Where the run before ends: steps from there are shorter than positions.
+    let [mut at_down, mut at_right] = [0; 2];
     for run in positions.chunk_by(|a, b| a[0] == b[0] && b[1] == a[1] + 1) {
         let [down, right] = run[0];
-        let _ = write!(path, "M{right} {down}h{}", run.len());
+        let (step_right, step_down) = (right - at_right, down - at_down);
+        let blank = if step_down < 0 { "" } else { " " };
+        let _ = write!(path, "m{step_right}{blank}{step_down}h{}", run.len());
+        [at_down, at_right] = [down, right + run.len() as i32];
     }
     path
 }
@@ -198,7 +206,7 @@ mod tests {
     #[test]
     fn forward_is_up_and_left_is_left() {
         // Two cells ahead and one to the left of the middle, in one run with its right neighbour.
-        assert_eq!(runs(&[[2, 1], [2, 0], [-1, 0]]), "M-1 -2h2M0 1h1");
+        assert_eq!(runs(&[[2, 1], [2, 0], [-1, 0]]), "m-1-2h2m-1 3h1");
         let svg = scene_plot(&scene(None, WINDOW), "a < b".to_owned()).inline();
         // 4 m long in a window of 10 m and 200 pixels: from 60 to 140 down, from 80 to 120 across.
         assert!(svg.contains("points=\"80.0,60.0 80.0,140.0 120.0,140.0 120.0,60.0\""), "{svg}");
@@ -210,7 +218,7 @@ mod tests {
     fn what_was_seen_is_drawn_where_it_was_kept() {
         let cells = PlanCells { low: vec![[0, 0]], high: vec![[1, 0]] };
         let svg = scene_plot(&scene(Some(&cells), WINDOW), String::new()).inline();
-        assert!(svg.contains("M0 0h1") && svg.contains("M0 -1h1"), "{svg}");
+        assert!(svg.contains("m0 0h1") && svg.contains("m0-1h1"), "{svg}");
     }
 
     #[test]

@@ -65,7 +65,10 @@ pub(crate) fn add_curve<T: Reached>(
     });
     let panel = &mut panels[panel_idx];
     let best = curve.best().and_then(|it| Some((position(it)?, it.x_text.to_owned())));
-    panel.notes.extend(best.map(|(at, text)| Note::Ring((at.x, at.y), text)));
+    panel.notes.extend(best.map(|(at, text)| {
+        // The text stands above the interval.
+        Note::Ring { at: (at.x, at.y), top: at.within.map_or(at.y, |it| it[1]), text }
+    }));
     let name = curve.first().subject().detector.clone();
     panel.series.push(Series { name, mark, positions: curve.points.iter().map(position).collect() });
 }

@@ -157,6 +157,53 @@ pub enum ClaimTest {
     },
 }
 
+impl ClaimTest {
+    /// The condition under which a claim holds, in words; `None` if it is not tested, or not by numbers of ours.
+    pub fn rule(&self) -> Option<String> {
+        let cells = |[from_m, to_m]: [&f64; 2]| format!("from {from_m} to {to_m} m");
+        Some(match self {
+            Self::Lead { metric, method, rival, scenes, .. } => {
+                let on = match scenes.as_str() {
+                    "every" => "on each data set".to_owned(),
+                    "overall" => "over all data sets".to_owned(),
+                    part => format!("on each data set called {part}"),
+                };
+                let rate = metric.metric().id().replace('_', "-").replace("f-rate", "F-rate");
+                format!("the {rate} of {method} is surely above that of {rival} (95 %) {on}")
+            }
+            Self::LeadsMost { method, rival, scenes, .. } => format!(
+                "{method} leads {rival} by more on each data set called {} than on any other",
+                scenes.join(" or ")
+            ),
+            Self::Faster { method, rival, at_least } => {
+                format!("the median time of {rival} is at least {at_least} times that of {method}")
+            }
+            Self::LessJoined { method, rival } => {
+                format!("under-segmentation of {method} is surely below that of {rival} (95 %)")
+            }
+            Self::PeakOfFitness { from_m, to_m } => {
+                format!(
+                    "the fitness lies within 0 and 1 and is greatest at a cell size {}",
+                    cells([from_m, to_m])
+                )
+            }
+            Self::PeakOfFRate { from_m, to_m } => {
+                format!("the F-rate is greatest at a cell size {}", cells([from_m, to_m]))
+            }
+            Self::LongestStep { step } => format!("no step takes longer than {step}"),
+            Self::TurnedRight { within_deg } => {
+                format!("hulls turn more boxes right, within {within_deg}°, than principal axes do")
+            }
+            Self::DensityFalls
+            | Self::DensityEvened
+            | Self::FrontSpheres
+            | Self::MissesAreOccluded { .. }
+            | Self::Partial { .. }
+            | Self::None { .. } => return None,
+        })
+    }
+}
+
 /// A rate in a file of claims.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
@@ -195,6 +242,20 @@ pub fn claims() -> Vec<Claim> {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_rule_names_its_bounds() {
+        let rule =
+            |says: &str| claims().iter().find(|it| it.says.contains(says)).unwrap().test.rule().unwrap();
+        assert_eq!(
+            rule("clear maximum near 0.6 m"),
+            "the fitness lies within 0 and 1 and is greatest at a cell size from 0.4 to 0.8 m"
+        );
+        assert_eq!(
+            rule("connected components over a kd-tree, in every scene"),
+            "the F-rate of paper is surely above that of kd-tree (95 %) on each data set"
+        );
+    }
 
     #[test]
     fn each_paper_has_claims_and_none_is_there_twice() {

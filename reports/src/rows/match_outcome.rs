@@ -2,7 +2,7 @@
 
 use crate::vocabulary::class::{AnnotationClass, DetectionClass, Occlusion};
 use crate::vocabulary::own_slice::Extents;
-use crate::vocabulary::reason::{FalseReason, IgnoredAnnotation, IgnoredDetection, MissReason};
+use crate::vocabulary::reason::{Agreement, FalseReason, IgnoredAnnotation, IgnoredDetection, MissReason};
 
 /// Outcome of an annotation, a detection or a pair of them.
 #[derive(Debug, Clone, PartialEq)]
@@ -55,6 +55,8 @@ pub enum MatchOutcome {
     Unknowable {
         /// The detection.
         detection: DetectionFacts,
+        /// How many other detectors have it, where nothing is labelled and there are others.
+        agreement: Option<Agreement>,
     },
 }
 

@@ -15,7 +15,7 @@ use crate::rows::match_outcome::{
 };
 use crate::vocabulary::class::{AnnotationClass, DetectionClass, Occlusion};
 use crate::vocabulary::criterion::CriterionKind;
-use crate::vocabulary::reason::{FalseReason, IgnoredAnnotation, IgnoredDetection, MissReason};
+use crate::vocabulary::reason::{Agreement, FalseReason, IgnoredAnnotation, IgnoredDetection, MissReason};
 use crate::vocabulary::task::Task;
 
 /// Outcome of an annotation, a detection or a pair of them.
@@ -68,7 +68,7 @@ row! {
         kind: Kind,
         /// `matched`, `missed`, `false`, `ignored` or `unknowable`.
         outcome: Outcome,
-        /// Why it was missed, false or ignored.
+        /// Why it was missed, false or ignored; where nothing is labelled, how many other detectors have it.
         reason: Option<String>,
         /// Cost of the pair in the assignment: 1 − IoU, or for `centre` the distance in metres.
         cost: Option<Fixed<6>>,
@@ -188,8 +188,8 @@ impl From<MatchOutcome> for Parts {
             MatchOutcome::IgnoredDetection { detection, reason } => {
                 Self::of_detection(Outcome::Ignored, detection, Some(reason.name()))
             }
-            MatchOutcome::Unknowable { detection } => {
-                Self::of_detection(Outcome::Unknowable, detection, None)
+            MatchOutcome::Unknowable { detection, agreement } => {
+                Self::of_detection(Outcome::Unknowable, detection, agreement.map(Agreement::name))
             }
         }
     }
@@ -228,7 +228,8 @@ impl TryFrom<Parts> for MatchOutcome {
                 reason: known_reason(reason, IgnoredDetection::from_name)?,
             }),
             (Kind::Detection, Outcome::Unknowable, None, Some(detection)) => {
-                Ok(Self::Unknowable { detection })
+                let agreement = reason.map(|it| known_reason(Some(it), Agreement::from_name)).transpose()?;
+                Ok(Self::Unknowable { detection, agreement })
             }
             _ => Err("kind, outcome and the filled columns do not agree"),
         }
@@ -444,7 +445,8 @@ mod tests {
                 detection: unscored.clone(),
                 reason: IgnoredDetection::OnIgnoredPoints,
             },
-            MatchOutcome::Unknowable { detection: DetectionFacts { motion, ..unscored } },
+            MatchOutcome::Unknowable { detection: unscored.clone(), agreement: Some(Agreement::Alone) },
+            MatchOutcome::Unknowable { detection: DetectionFacts { motion, ..unscored }, agreement: None },
         ];
         outcomes.map(row).to_vec()
     }
@@ -468,6 +470,7 @@ mod tests {
         main_road,0000,7,pca,objects,points,pair,ignored,tall,0.250000,3,12,car,partly,240,130,10.2500,-3.5000,-0.8750,4.5000,1.7500,1.5000,-1.5000,0,object,,201,1.0000,2.0000,3.0000,4.0000,1.5000,1.2500,0.1250,,,
         main_road,0000,7,pca,objects,points,detection,false,fragment,,,,,,,,,,,,,,,0,object,,201,1.0000,2.0000,3.0000,4.0000,1.5000,1.2500,0.1250,,,
         main_road,0000,7,pca,objects,points,detection,ignored,on ignored points,,,,,,,,,,,,,,,0,object,,201,1.0000,2.0000,3.0000,4.0000,1.5000,1.2500,0.1250,,,
+        main_road,0000,7,pca,objects,points,detection,unknowable,found by no other,,,,,,,,,,,,,,,0,object,,201,1.0000,2.0000,3.0000,4.0000,1.5000,1.2500,0.1250,,,
         main_road,0000,7,pca,objects,points,detection,unknowable,,,,,,,,,,,,,,,,0,object,,201,1.0000,2.0000,3.0000,4.0000,1.5000,1.2500,0.1250,10.5000,-0.2500,41
         "#);
         assert_eq!(rows_of::<MatchRow>(&text).unwrap(), rows());
@@ -475,7 +478,7 @@ mod tests {
 
     #[test]
     fn numbers_are_rounded_and_zero_has_no_sign() {
-        let text = csv_text(&[row(MatchOutcome::Unknowable { detection: blob() })]);
+        let text = csv_text(&[row(MatchOutcome::Unknowable { detection: blob(), agreement: None })]);
         assert!(text.contains(",10.0000,-3.2500,0.0000,"), "{text}");
     }
 
@@ -486,7 +489,7 @@ mod tests {
         detection.bounding_box.yaw_rad = f32::NAN;
         let path = folder.path().join("matches.csv");
         let mut writer = CsvRowWriter::new(WholeFile::create(&path).unwrap()).unwrap();
-        let error = writer.write(&row(MatchOutcome::Unknowable { detection })).unwrap_err();
+        let error = writer.write(&row(MatchOutcome::Unknowable { detection, agreement: None })).unwrap_err();
         drop(writer);
         assert!(matches!(error, ArchiveError::Csv { .. }), "{error}");
         assert!(!path.exists());

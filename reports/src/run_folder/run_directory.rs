@@ -47,6 +47,9 @@ pub fn recordings_in(directory: &Path) -> Vec<String> {
     [RECORDING.to_owned()].into_iter().filter(is_there).chain(later).collect()
 }
 
+/// The recording of a sweep: one scan at all points.
+pub const SWEEP_RRD: &str = "sweep.rrd";
+
 /// Nobody looks for recordings of more parts.
 const MOST_PARTS: usize = 1000;
 

@@ -14,7 +14,6 @@ use crate::rows::confusion_row::{ConfusionRow, NONE};
 use crate::run_folder::manifest::Manifest;
 use crate::vocabulary::class::AnnotationClass;
 use crate::vocabulary::metric::{Metric, RecallPositions};
-use crate::vocabulary::origin::Origin;
 use crate::vocabulary::slice::Slice;
 use crate::vocabulary::task::Task;
 
@@ -23,8 +22,8 @@ use crate::vocabulary::task::Task;
 pub struct ClassTable {
     /// Id of the data set, or the name of several together.
     pub dataset: String,
-    /// Whether a simulator made it.
-    pub origin: Origin,
+    /// The same in words, and whether they are simulated.
+    pub on: String,
     /// By what detections were matched with annotations, in words.
     pub matching_criterion: String,
     /// The lines, detector by detector, class by class.
@@ -61,10 +60,13 @@ const AP: Metric = Metric::AveragePrecision(RecallPositions::R40);
 /// Detectors that give none are in no table, and there is none without a line.
 pub fn class_tables(report: &RunReport, manifest: &Manifest, confusion: &[ConfusionRow]) -> Vec<ClassTable> {
     let pools = manifest.pools();
-    let datasets = manifest.datasets.iter().map(|it| (it.id.clone(), it.origin(), vec![it.id.clone()]));
+    let datasets = manifest.datasets.iter().map(|it| {
+        let on = format!("{}{}", it.id, it.origin().in_brackets());
+        (it.id.clone(), on, vec![it.id.clone()])
+    });
     let several = pools.into_iter().filter(Pool::is_of_several);
-    let several = several.map(|it| (it.extent.name().to_owned(), it.origin, it.datasets));
-    let tables = datasets.chain(several).map(|(dataset, origin, ids)| {
+    let several = several.map(|it| (it.extent.name().to_owned(), it.in_words(), it.datasets));
+    let tables = datasets.chain(several).map(|(dataset, on, ids)| {
         let lines = manifest.detectors.iter().flat_map(|it| lines_of(report, &dataset, &it.name));
         let of_classes = confusion.iter().filter(|it| ids.contains(&it.dataset));
         ClassTable {
@@ -72,7 +74,7 @@ pub fn class_tables(report: &RunReport, manifest: &Manifest, confusion: &[Confus
             confusion: summed(of_classes),
             matching_criterion: manifest.matching_criterion.clone(),
             dataset,
-            origin,
+            on,
         }
     });
     tables.filter(|it| !it.lines.is_empty()).collect()
@@ -156,8 +158,13 @@ impl ClassTable {
             let found =
                 of_detector.iter().filter(|it| it.annotated == worst.annotated && it.detected != NONE);
             let n_found: u64 = found.map(|it| it.n).sum();
+            // Fewer than one in twenty are in the table alone.
+            if 20 * worst.n < n_found {
+                return None;
+            }
+            let objects = if n_found == 1 { "object" } else { "objects" };
             Some(format!(
-                "Of {n_found} objects of the class {} that {detector} found, it calls {} {}.",
+                "Of {n_found} {objects} of the class {} that {detector} found, it calls {} {}.",
                 worst.annotated, worst.n, worst.detected
             ))
         };
@@ -266,12 +273,8 @@ impl ClassTable {
         Sheet::of(self.title(), self.rates(), self.about_rates())
     }
 
-    fn on(&self) -> String {
-        format!("{}{}", self.dataset, self.origin.in_brackets())
-    }
-
     fn title(&self) -> String {
-        format!("Classes on {}.", self.on())
+        format!("Classes on {}.", self.on)
     }
 
     fn about_rates(&self) -> Vec<String> {
@@ -295,7 +298,7 @@ impl Tabular for ClassTable {
             "given: the class of the detection that found an object, whatever both are (task objects); nothing: false detections."
                 .to_owned(),
         );
-        let on = self.on();
+        let on = &self.on;
         let mut parts = vec![Part { title: Some(self.title()), grid: self.rates() }];
         let by_range = self.ap_by_range().map(|grid| Part {
             title: Some(format!("Average precision of classes by range on {on}.")),

@@ -74,13 +74,29 @@ impl<'a> ProtocolTable<'a> {
         names.filter(|name| self.numbers.iter().any(|it| it.detector == *name)).collect()
     }
 
-    fn grid(&self) -> Grid {
+    /// The values alone of all data sets of `pool` together.
+    pub(crate) fn values_of(&self, pool: &Pool) -> Grid {
+        let numbers = self.numbers.iter().copied().filter(|it| it.dataset == pool.extent.name()).collect();
+        let mut grid = Self { numbers, ..self.clone() }.grid(false);
+        grid.columns.remove(0);
+        for line in &mut grid.lines {
+            line.cells.remove(0);
+            line.kind = LineKind::Detail;
+        }
+        grid
+    }
+
+    fn grid(&self, has_intervals: bool) -> Grid {
         let detectors = self.detectors();
         let mut columns = ["data set", "class", "metric"].map(Column::left).to_vec();
         columns.push(Column::number("n"));
         for detector in &detectors {
-            columns.push(Column::number("value").within(*detector));
-            columns.push(Column::number("95 %").within(*detector));
+            if has_intervals {
+                columns.push(Column::number("value").within(*detector));
+                columns.push(Column::number("95 %").within(*detector));
+            } else {
+                columns.push(Column::number((*detector).to_owned()));
+            }
         }
         let mut lines: Vec<Line> = Vec::new();
         let (mut before, mut n_before) = (None, None);
@@ -99,7 +115,9 @@ impl<'a> ProtocolTable<'a> {
                     let is_same = it.metric.class == first.metric.class && it.metric.id == first.metric.id;
                     is_same && it.dataset == first.dataset && it.detector == *detector
                 });
-                cells.extend(number.map_or_else(|| [Cell::new("–"), Cell::default()], |it| number_cells(it)));
+                let of_number =
+                    number.map_or_else(|| [Cell::new("–"), Cell::default()], |it| number_cells(it));
+                cells.extend(of_number.into_iter().take(1 + usize::from(has_intervals)));
             }
             let kind = match (is_new_dataset, first.dataset.as_str()) {
                 (false, _) => LineKind::Detail,
@@ -154,7 +172,8 @@ impl<'a> ProtocolTable<'a> {
 impl Tabular for ProtocolTable<'_> {
     fn sheet(&self) -> Sheet {
         let title = format!("Protocol {}. n: {}.", self.protocol, self.protocol.family().counted());
-        Sheet::of(title, self.grid(), self.sentences()).labelled(&self.file_stem().replacen("table_", "", 1))
+        Sheet::of(title, self.grid(true), self.sentences())
+            .labelled(&self.file_stem().replacen("table_", "", 1))
     }
 }
 

@@ -154,7 +154,7 @@ impl<'a> ScanObjects<'a> {
             MatchOutcome::False { detection, reason } => {
                 self.unmatched.insert(key(detection), Unmatched { detection, reason: Some(*reason) });
             }
-            MatchOutcome::Unknowable { detection } => {
+            MatchOutcome::Unknowable { detection, .. } => {
                 self.unmatched.insert(key(detection), Unmatched { detection, reason: None });
             }
             MatchOutcome::IgnoredAnnotation { .. }

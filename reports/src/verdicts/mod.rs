@@ -9,6 +9,7 @@ pub mod comparability;
 pub mod classes_of_both;
 pub mod times_doubt;
 pub mod task_ranking;
+pub mod run_sentence;
 pub mod reason_gains;
 pub mod change;
 pub mod drift;

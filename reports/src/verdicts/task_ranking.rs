@@ -274,13 +274,13 @@ fn indefinite(metric: &str) -> String {
 }
 
 /// A difference of rates in hundredths.
-fn points(difference: f64) -> String {
+pub(super) fn points(difference: f64) -> String {
     fixed_decimals(100.0 * difference, 1).replace('-', "−")
 }
 
 impl PairedDifference {
     /// Whether nothing can rest on its interval.
-    fn decides_nothing(&self) -> bool {
+    pub(super) fn decides_nothing(&self) -> bool {
         self.interval.is_none_or(|it| it.blocks.decide_nothing())
     }
 
@@ -344,7 +344,7 @@ fn three_digits_short(factor: f64) -> String {
 }
 
 #[cfg(test)]
-mod tests {
+pub(super) mod tests {
     use super::*;
     use crate::numbers::blocks::{BlockCount, BlockKind};
     use crate::numbers::pools::pools;
@@ -364,7 +364,7 @@ mod tests {
         }
     }
 
-    fn ranking(values: &[Option<f64>], lead: Option<[f64; 3]>) -> TaskRanking {
+    pub(in crate::verdicts) fn ranking(values: &[Option<f64>], lead: Option<[f64; 3]>) -> TaskRanking {
         let names = ["grid", "tree", "pca"];
         let detectors = names.iter().zip(values).map(|(name, value)| ranked(name, *value)).collect();
         let lead = lead.map(|[after, low, high]| PairedDifference {

@@ -11,6 +11,28 @@ named! {
         False = "false",
     }
 
+    /// Kinds of objects of which a few are shown.
+    pub enum ShownKind {
+        /// An annotation that nothing found.
+        Missed = "missed",
+        /// A detection of nothing.
+        False = "false",
+        /// A detection that no other detector has, where nothing is labelled.
+        Alone = "alone",
+        /// One of the closest matches.
+        Matched = "matched",
+    }
+
+    /// How many of the detectors of a run have a detection, where nothing is labelled.
+    pub enum Agreement {
+        /// All.
+        All = "found by all",
+        /// Some others, but not all.
+        Some = "found by some others",
+        /// None but its own.
+        Alone = "found by no other",
+    }
+
     /// Why an annotation does not count.
     pub enum IgnoredAnnotation {
         /// Fewer points than the minimum.

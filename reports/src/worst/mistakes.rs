@@ -2,9 +2,9 @@
 
 use std::fmt::Write as _;
 
-use crate::rows::match_outcome::MatchOutcome;
+use crate::rows::match_outcome::{DetectionFacts, MatchOutcome};
 use crate::rows::match_row::MatchRow;
-use crate::vocabulary::reason::MistakeKind;
+use crate::vocabulary::reason::{Agreement, ShownKind};
 use crate::vocabulary::task::Task;
 
 /// The mistakes that are asked for.
@@ -14,8 +14,8 @@ pub struct MistakeChoice<'a> {
     pub detector: &'a str,
     /// The task.
     pub task: Task,
-    /// The kind; both if not given.
-    pub kind: Option<MistakeKind>,
+    /// The kind; any if not given.
+    pub kind: Option<ShownKind>,
     /// The class of the annotation, or of the detection; any if not given.
     pub class: Option<&'a str>,
     /// The [`address`](ListedMistake::address) of the mistake, or of its scan; any if not given.
@@ -28,7 +28,7 @@ pub struct ListedMistake<'a> {
     /// Its row.
     pub row: &'a MatchRow,
     /// Its kind.
-    pub kind: MistakeKind,
+    pub kind: ShownKind,
     /// The annotated class, or the class it was taken for.
     pub class: &'static str,
     /// Why.
@@ -44,7 +44,9 @@ impl ListedMistake<'_> {
     pub fn address(&self) -> String {
         let id = match &self.row.outcome {
             MatchOutcome::Missed { annotation, .. } => annotation.id,
-            MatchOutcome::False { detection, .. } => detection.id,
+            MatchOutcome::False { detection, .. } | MatchOutcome::Unknowable { detection, .. } => {
+                detection.id
+            }
             _ => unreachable!("no other outcome is listed"),
         };
         format!("{}/{}-{id}", scan_address(&self.row.dataset, &self.row.sequence, self.row.scan), self.kind)
@@ -78,23 +80,24 @@ pub fn worst<'a>(rows: &'a [MatchRow], choice: &MistakeChoice<'_>, most: usize) 
 
 fn listed(row: &MatchRow) -> Option<ListedMistake<'_>> {
     let position_m = |center_m: [f32; 3]| [center_m[0], center_m[1]];
+    let of_detection = |kind, it: &DetectionFacts, reason| {
+        let (class, n_points) = (it.class.name(), it.n_points);
+        let position_m = Some(position_m(it.bounding_box.center_m));
+        Some(ListedMistake { row, kind, class, reason, n_points, position_m })
+    };
     match &row.outcome {
         MatchOutcome::Missed { annotation, reason } => Some(ListedMistake {
             row,
-            kind: MistakeKind::Missed,
+            kind: ShownKind::Missed,
             class: annotation.class.name(),
             reason: reason.name(),
             n_points: annotation.n_points,
             position_m: annotation.center_m().map(position_m),
         }),
-        MatchOutcome::False { detection, reason } => Some(ListedMistake {
-            row,
-            kind: MistakeKind::False,
-            class: detection.class.name(),
-            reason: reason.name(),
-            n_points: detection.n_points,
-            position_m: Some(position_m(detection.bounding_box.center_m)),
-        }),
+        MatchOutcome::False { detection, reason } => of_detection(ShownKind::False, detection, reason.name()),
+        MatchOutcome::Unknowable { detection, agreement: Some(agreement @ Agreement::Alone) } => {
+            of_detection(ShownKind::Alone, detection, agreement.name())
+        }
         _ => None,
     }
 }
@@ -185,8 +188,8 @@ mod tests {
         let points = |choice: MistakeChoice<'_>| -> Vec<u64> {
             worst(&rows, &choice, 10).iter().map(|it| it.n_points).collect()
         };
-        assert_eq!(points(MistakeChoice { kind: Some(MistakeKind::False), ..ANY }), [90]);
-        assert_eq!(points(MistakeChoice { kind: Some(MistakeKind::Missed), ..ANY }), [500, 30]);
+        assert_eq!(points(MistakeChoice { kind: Some(ShownKind::False), ..ANY }), [90]);
+        assert_eq!(points(MistakeChoice { kind: Some(ShownKind::Missed), ..ANY }), [500, 30]);
         assert_eq!(points(MistakeChoice { class: Some("car"), ..ANY }), [30]);
         assert_eq!(points(MistakeChoice { task: Task::Objects, ..ANY }), [0; 0]);
         assert_eq!(points(MistakeChoice { at: Some("street/drive/000003"), ..ANY }), [500, 90, 30]);

@@ -3,9 +3,9 @@
 
 use std::collections::BTreeMap;
 
-use crate::rows::match_outcome::{AnnotationFacts, BoxFacts, MatchOutcome};
+use crate::rows::match_outcome::{AnnotationFacts, BoxFacts, DetectionFacts, MatchOutcome};
 use crate::rows::match_row::MatchRow;
-use crate::vocabulary::reason::MistakeKind;
+use crate::vocabulary::reason::{Agreement, ShownKind};
 use crate::vocabulary::task::Task;
 
 /// Scans whose numbers begin alike when divided by this are taken for scans of one second.
@@ -32,8 +32,8 @@ pub struct MistakeList {
     pub task: Task,
     /// Name of the detector.
     pub detector: String,
-    /// Missed or false; `None` for matches.
-    pub kind: Option<MistakeKind>,
+    /// What they are.
+    pub kind: ShownKind,
 }
 
 /// Which object of which scan.
@@ -54,13 +54,16 @@ pub struct ObjectName {
 }
 
 impl ObjectName {
-    /// The object of `row` if it is a mistake or a match, else `None`.
+    /// The object of `row` if it is a mistake, a match or what one detector alone has, else `None`.
     pub fn shown_of(row: &MatchRow) -> Option<Self> {
         let (detector, id) = match &row.outcome {
             MatchOutcome::Missed { annotation, .. } | MatchOutcome::Matched { annotation, .. } => {
                 (None, annotation.id)
             }
-            MatchOutcome::False { detection, .. } => (Some(row.detector.clone()), detection.id),
+            MatchOutcome::False { detection, .. }
+            | MatchOutcome::Unknowable { detection, agreement: Some(Agreement::Alone) } => {
+                (Some(row.detector.clone()), detection.id)
+            }
             _ => return None,
         };
         Some(Self {
@@ -131,25 +134,29 @@ impl<T> WorstObjects<T> {
     /// closer match. `kept` is called only then.
     pub fn add(&mut self, row: &MatchRow, kept: impl FnOnce(&PlanWindow) -> T) {
         let annotated = |it: &AnnotationFacts| (it.class.name(), it.n_points, subject_of(it), it.track);
+        let detected = |it: &DetectionFacts| (it.class.name(), it.n_points, Some(it.bounding_box), None);
         let (kind, (class, n_points, bounding_box, track), reason, closeness) = match &row.outcome {
             MatchOutcome::Missed { annotation, reason } => {
-                (Some(MistakeKind::Missed), annotated(annotation), reason.name(), 0)
+                (ShownKind::Missed, annotated(annotation), reason.name(), 0)
             }
-            MatchOutcome::False { detection: it, reason } => {
-                let detected = (it.class.name(), it.n_points, Some(it.bounding_box), None);
-                (Some(MistakeKind::False), detected, reason.name(), 0)
+            MatchOutcome::False { detection, reason } => {
+                (ShownKind::False, detected(detection), reason.name(), 0)
+            }
+            MatchOutcome::Unknowable { detection, agreement: Some(Agreement::Alone) } => {
+                (ShownKind::Alone, detected(detection), Agreement::Alone.name(), 0)
             }
             MatchOutcome::Matched { annotation, cost, .. } => {
-                (None, annotated(annotation), "one of the best matches", -(100.0 * cost).round() as i64)
+                let closeness = -(100.0 * cost).round() as i64;
+                (ShownKind::Matched, annotated(annotation), "one of the best matches", closeness)
             }
             _ => return,
         };
         let rank = (closeness, n_points);
-        let most = if kind.is_some() { MOST_OF_A_KIND } else { MOST_MATCHES };
-        let Some(bounding_box) = bounding_box else { return };
+        let most = if kind == ShownKind::Matched { MOST_MATCHES } else { MOST_OF_A_KIND };
+        let (Some(bounding_box), Some(object)) = (bounding_box, ObjectName::shown_of(row)) else { return };
         let list = MistakeList { task: row.task, detector: row.detector.clone(), kind };
         let list = self.lists.entry(list).or_default();
-        let same = list.iter().position(|it| it.is_same_object(row, track));
+        let same = list.iter().position(|it| it.is_same_object(&object, track));
         let is_first = match same {
             Some(index) => list[index].rank < rank,
             None => list.len() < most || list.last().is_some_and(|it| it.rank < rank),
@@ -161,7 +168,6 @@ impl<T> WorstObjects<T> {
             list.remove(index);
         }
         let window = PlanWindow::around(&bounding_box);
-        let Some(object) = ObjectName::shown_of(row) else { return };
         let kept = kept(&window);
         let worst = WorstObject { object, class, reason, n_points, bounding_box, window, rank, track, kept };
         list.insert(list.partition_point(|it| it.rank >= rank), worst);
@@ -180,13 +186,15 @@ impl<T> WorstObjects<T> {
 }
 
 impl<T> WorstObject<T> {
-    /// Whether `row` shows it once more: the same track or, where both have none, one of the scans within a second. So the
-    /// worst of a run are among the worst of its parts.
-    fn is_same_object(&self, row: &MatchRow, track: Option<u32>) -> bool {
-        let is_same_drive = self.object.dataset == row.dataset && self.object.sequence == row.sequence;
+    /// Whether `other`, on this track, shows it once more: the same track or, where both have none, another scan within a
+    /// second. So the worst of a run are among the worst of its parts.
+    fn is_same_object(&self, other: &ObjectName, track: Option<u32>) -> bool {
+        let ours = &self.object;
+        let is_same_drive = ours.dataset == other.dataset && ours.sequence == other.sequence;
         is_same_drive
             && match (self.track, track) {
-                (None, None) => self.object.scan / SCANS_PER_SECOND == row.scan / SCANS_PER_SECOND,
+                (None, None) if ours.scan == other.scan => ours.id == other.id,
+                (None, None) => ours.scan / SCANS_PER_SECOND == other.scan / SCANS_PER_SECOND,
                 (ours, theirs) => ours == theirs,
             }
     }
@@ -201,7 +209,7 @@ fn subject_of(annotation: &AnnotationFacts) -> Option<BoxFacts> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::rows::match_outcome::{DetectionFacts, MotionFacts};
+    use crate::rows::match_outcome::MotionFacts;
     use crate::vocabulary::class::{AnnotationClass, DetectionClass};
     use crate::vocabulary::criterion::CriterionKind;
     use crate::vocabulary::reason::{FalseReason, MissReason};
@@ -234,13 +242,13 @@ mod tests {
         MatchOutcome::False { detection, reason: FalseReason::NothingThere }
     }
 
-    fn kept(rows: &[MatchRow], kind: impl Into<Option<MistakeKind>>) -> Vec<(u32, u64)> {
+    fn kept(rows: &[MatchRow], kind: ShownKind) -> Vec<(u32, u64)> {
         let mut objects = WorstObjects::default();
         for row in rows {
             objects.add(row, |_| ());
         }
         let (task, detector) = (Task::Vehicles, "grid".to_owned());
-        let list = objects.of(&MistakeList { task, detector, kind: kind.into() });
+        let list = objects.of(&MistakeList { task, detector, kind });
         list.iter().map(|it| (it.object.scan, it.n_points)).collect()
     }
 
@@ -248,17 +256,14 @@ mod tests {
     fn each_track_is_shown_where_it_was_seen_best() {
         let rows = [(0, Some(1), 30), (1, Some(1), 50), (2, Some(1), 40), (2, Some(2), 45)];
         let rows = rows.map(|(scan, track, n)| row(scan, missed(track, n, Some(BOX))));
-        assert_eq!(kept(&rows, MistakeKind::Missed), [(1, 50), (2, 45)]);
+        assert_eq!(kept(&rows, ShownKind::Missed), [(1, 50), (2, 45)]);
     }
 
     #[test]
     fn the_worst_are_kept_and_no_more() {
         let rows: Vec<_> = (0..20).map(|it| row(it * 10, false_one(u64::from(it * 7 % 20)))).collect();
-        assert_eq!(
-            kept(&rows, MistakeKind::False).iter().map(|it| it.1).collect::<Vec<_>>(),
-            [19, 18, 17, 16]
-        );
-        assert_eq!(kept(&rows, MistakeKind::Missed), []);
+        assert_eq!(kept(&rows, ShownKind::False).iter().map(|it| it.1).collect::<Vec<_>>(), [19, 18, 17, 16]);
+        assert_eq!(kept(&rows, ShownKind::Missed), []);
     }
 
     #[test]
@@ -271,21 +276,44 @@ mod tests {
             row(scan, MatchOutcome::Matched { annotation, detection, cost })
         };
         let rows = [found(1, 900, 0.3), found(2, 20, 0.001), found(3, 70, 0.0), found(4, 40, 0.01)];
-        assert_eq!(kept(&rows, None), [(3, 70), (2, 20)]);
-        assert_eq!(kept(&rows, MistakeKind::Missed), []);
+        assert_eq!(kept(&rows, ShownKind::Matched), [(3, 70), (2, 20)]);
+        assert_eq!(kept(&rows, ShownKind::Missed), []);
     }
 
     #[test]
     fn false_ones_of_one_second_are_one() {
         assert_eq!(
-            kept(&[row(3, false_one(5)), row(4, false_one(6)), row(13, false_one(1))], MistakeKind::False),
+            kept(&[row(3, false_one(5)), row(4, false_one(6)), row(13, false_one(1))], ShownKind::False),
             [(4, 6), (13, 1)]
         );
     }
 
     #[test]
+    fn of_a_scan_each_is_one() {
+        let of = |id: u64, outcome: MatchOutcome| {
+            let MatchOutcome::False { detection, .. } = outcome else { unreachable!() };
+            DetectionFacts { id, ..detection }
+        };
+        let reason = FalseReason::NothingThere;
+        let rows = [(1, 50), (2, 40), (1, 30)]
+            .map(|(id, n)| row(3, MatchOutcome::False { detection: of(id, false_one(n)), reason }));
+        assert_eq!(kept(&rows, ShownKind::False), [(3, 50), (3, 40)]);
+    }
+
+    #[test]
+    fn what_one_alone_has_is_a_list_of_its_own() {
+        let unlabelled = |agreement| {
+            let MatchOutcome::False { detection, .. } = false_one(9) else { unreachable!() };
+            row(0, MatchOutcome::Unknowable { detection, agreement })
+        };
+        let rows = [Some(Agreement::Some), Some(Agreement::Alone), None].map(unlabelled);
+        assert_eq!(kept(&rows, ShownKind::Alone), [(0, 9)]);
+        assert_eq!(kept(&rows, ShownKind::False), []);
+    }
+
+    #[test]
     fn what_has_no_position_is_not_shown() {
-        assert_eq!(kept(&[row(0, missed(None, 5, None))], MistakeKind::Missed), []);
+        assert_eq!(kept(&[row(0, missed(None, 5, None))], ShownKind::Missed), []);
     }
 
     #[test]

@@ -41,7 +41,7 @@ pub fn judge_only(
             DetectionOutcome::Matched { annotation_idx, .. } if is_outside[*annotation_idx] => {
                 Some(IgnoredDetection::OnIgnoredAnnotation)
             }
-            DetectionOutcome::False(_) | DetectionOutcome::Unknowable if !slice.holds(&extents) => {
+            DetectionOutcome::False(_) | DetectionOutcome::Unknowable(_) if !slice.holds(&extents) => {
                 Some(IgnoredDetection::OutsideSlice)
             }
             _ => None,

@@ -1,7 +1,7 @@
 //! Every mistake in words: missed annotations and false detections, and why.
 
 use detector::{Detections, StageProduct};
-use reports::vocabulary::reason::{FalseReason, MissReason};
+use reports::vocabulary::reason::{Agreement, FalseReason, MissReason};
 use scans::annotation::{LabeledScan, range_m};
 
 use crate::matching::box_overlap::{bev_iou, iou_3d};
@@ -21,13 +21,15 @@ pub struct Mistake {
     pub text: String,
 }
 
-/// The two kinds of mistakes.
+/// Kinds of mistakes, and of what may be one.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub enum MistakeKind {
     /// An annotation that nothing found.
     Missed,
     /// A detection of nothing.
     False,
+    /// A detection that no other detector has, where nothing is labelled.
+    Alone,
 }
 
 /// Evidence that explains the mistakes of a detector on a scan.
@@ -55,7 +57,8 @@ impl<'a> Evidence<'a> {
         Self { scan, detections, criterion, overlap, lost }
     }
 
-    /// The mistakes of `assignment`: missed annotations, then false detections, most points first.
+    /// The mistakes of `assignment`: missed annotations, then false detections, most points first; where nothing is labelled,
+    /// the detections that no other detector has.
     pub fn mistakes(&self, assignment: &Assignment) -> Vec<Mistake> {
         let missed = assignment.annotations.iter().enumerate().filter_map(|(annotation_idx, outcome)| {
             let AnnotationOutcome::Missed(reason) = outcome else { return None };
@@ -65,20 +68,28 @@ impl<'a> Evidence<'a> {
             let text = format!("{name}: {why} ({n_points} points, {range})");
             Some(Mistake { kind: MistakeKind::Missed, n_points, text })
         });
-        let false_ones = assignment.detections.iter().enumerate().filter_map(|(detection_idx, outcome)| {
-            let DetectionOutcome::False(reason) = outcome else { return None };
-            let detection = self.detections.get(detection_idx);
-            let n_points = detection.point_indices.len();
-            let score = detection.score.map(|it| format!(" {it:.2}")).unwrap_or_default();
-            let why = self.why_false(detection_idx, *reason);
-            let class = detection.class_name();
-            let range_m = detection.bounding_box.range_m();
-            let text = format!(
-                "detection {detection_idx}: {why} ({class}{score}, {n_points} points, {range_m:.0} m)"
-            );
-            Some(Mistake { kind: MistakeKind::False, n_points, text })
-        });
-        let mut mistakes: Vec<Mistake> = missed.chain(false_ones).collect();
+        let of_detections =
+            assignment.detections.iter().enumerate().filter_map(|(detection_idx, outcome)| {
+                let (kind, why) = match outcome {
+                    DetectionOutcome::False(reason) => {
+                        (MistakeKind::False, self.why_false(detection_idx, *reason))
+                    }
+                    DetectionOutcome::Unknowable(Some(Agreement::Alone)) => {
+                        (MistakeKind::Alone, Agreement::Alone.name().to_owned())
+                    }
+                    _ => return None,
+                };
+                let detection = self.detections.get(detection_idx);
+                let n_points = detection.point_indices.len();
+                let score = detection.score.map(|it| format!(" {it:.2}")).unwrap_or_default();
+                let class = detection.class_name();
+                let range_m = detection.bounding_box.range_m();
+                let text = format!(
+                    "detection {detection_idx}: {why} ({class}{score}, {n_points} points, {range_m:.0} m)"
+                );
+                Some(Mistake { kind, n_points, text })
+            });
+        let mut mistakes: Vec<Mistake> = missed.chain(of_detections).collect();
         mistakes.sort_by_key(|it| (it.kind, std::cmp::Reverse(it.n_points)));
         mistakes
     }

@@ -1,7 +1,7 @@
 //! Outcome of every annotation and every detection of a scan.
 
 use reports::vocabulary::criterion::CriterionKind;
-use reports::vocabulary::reason::{FalseReason, IgnoredAnnotation, IgnoredDetection, MissReason};
+use reports::vocabulary::reason::{Agreement, FalseReason, IgnoredAnnotation, IgnoredDetection, MissReason};
 use reports::vocabulary::task::Task;
 
 /// Assignment of one scan for one task, and the outcomes that follow from it.
@@ -75,6 +75,7 @@ pub enum DetectionOutcome {
     },
     /// False.
     False(FalseReason),
-    /// It cannot be known whether it is false: the labels do not cover all objects that it could be.
-    Unknowable,
+    /// It cannot be known whether it is false: the labels do not cover all objects that it could be. Where nothing is
+    /// labelled and there are other detectors, with how many of these have it.
+    Unknowable(Option<Agreement>),
 }

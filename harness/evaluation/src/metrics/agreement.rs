@@ -3,6 +3,7 @@
 use std::collections::BTreeMap;
 
 use detector::Detections;
+use reports::vocabulary::reason::Agreement;
 use reports::vocabulary::task::Task;
 
 use crate::matching::eligibility::asks_for;
@@ -41,6 +42,27 @@ pub fn shared([first, second]: [&Detections; 2], task: Task, n_points: usize) ->
     match_pairs(&pairs).into_iter().map(|it| it.detection_idx).collect()
 }
 
+/// How many of the other detectors have each detection of each detector, in a scan of `n_points`; `None` for what `task` does
+/// not ask for.
+pub fn agreements(all: &[&Detections], task: Task, n_points: usize) -> Vec<Vec<Option<Agreement>>> {
+    let of_detector = |idx: usize| {
+        let mut n_others: BTreeMap<usize, usize> =
+            asked_for(all[idx], task).into_iter().map(|it| (it, 0)).collect();
+        for other in (0..all.len()).filter(|it| *it != idx) {
+            for detection_idx in shared([all[idx], all[other]], task, n_points) {
+                *n_others.entry(detection_idx).or_default() += 1;
+            }
+        }
+        let agreement = |n: &usize| match *n {
+            0 => Agreement::Alone,
+            n if n + 1 == all.len() => Agreement::All,
+            _ => Agreement::Some,
+        };
+        (0..all[idx].len()).map(|it| n_others.get(&it).map(agreement)).collect()
+    };
+    (0..all.len()).map(of_detector).collect()
+}
+
 /// Greatest 1 − IoU of detections that agree.
 const MAX_COST: f64 = 0.5;
 
@@ -70,6 +92,24 @@ mod tests {
         assert_eq!(shared([&second, &first], Task::Objects, 10), [0]);
         let asked = |task| [&first, &second].map(|it| asked_for(it, task).len());
         assert_eq!([asked(Task::Objects), asked(Task::Vehicles)], [[3, 2], [1, 0]]);
+    }
+
+    #[test]
+    fn each_detection_knows_how_many_others_have_it() {
+        use DetectedClass::{Object, Vehicle};
+        let first = detections(&[(&[0, 1], Vehicle), (&[2, 3], Object), (&[4, 5], Object)]);
+        let second = detections(&[(&[0, 1], Object), (&[2, 3], Object)]);
+        let third = detections(&[(&[0, 1], Vehicle)]);
+        let all = [&first, &second, &third];
+        let [all_have_it, some, alone] = [Agreement::All, Agreement::Some, Agreement::Alone].map(Some);
+        assert_eq!(
+            agreements(&all, Task::Objects, 6),
+            [vec![all_have_it, some, alone], vec![all_have_it, some], vec![all_have_it]]
+        );
+        assert_eq!(
+            agreements(&all, Task::Vehicles, 6),
+            [vec![some, None, None], vec![None, None], vec![some]]
+        );
     }
 
     #[test]

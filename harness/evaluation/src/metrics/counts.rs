@@ -74,7 +74,7 @@ impl Counts {
                 DetectionOutcome::NotAsked | DetectionOutcome::Matched { .. } => {}
                 DetectionOutcome::Ignored(_) => counts.n_ignored_detections += 1,
                 DetectionOutcome::False(_) => counts.n_false += 1,
-                DetectionOutcome::Unknowable => counts.n_unknowable += 1,
+                DetectionOutcome::Unknowable(_) => counts.n_unknowable += 1,
             }
         }
         counts

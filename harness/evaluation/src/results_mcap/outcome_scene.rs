@@ -64,7 +64,7 @@ fn outcome_entity(time_ns: u64, scan: &LabeledScan, number: usize, outcome: &Mat
             let metadata = metadata_of_detection("ignored", reason.name(), detection);
             entity(Some(box_of(detection.bounding_box)), GREY, 0.15, metadata)
         }
-        MatchOutcome::Unknowable { detection } => {
+        MatchOutcome::Unknowable { detection, .. } => {
             let metadata = metadata_of_detection("unknowable", "", detection);
             entity(Some(box_of(detection.bounding_box)), GREY, 0.3, metadata)
         }
@@ -216,7 +216,7 @@ mod tests {
         let ignored =
             MatchOutcome::IgnoredDetection { detection: detection(), reason: IgnoredDetection::BeyondRange };
         check(&ignored, GREY, [1, 0], "reason", "beyond range");
-        let unknowable = MatchOutcome::Unknowable { detection: detection() };
+        let unknowable = MatchOutcome::Unknowable { detection: detection(), agreement: None };
         check(&unknowable, GREY, [1, 0], "class", "vehicle");
     }
 

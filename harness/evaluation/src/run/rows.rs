@@ -168,7 +168,9 @@ fn match_rows(
                 MatchOutcome::IgnoredDetection { detection: detection(idx), reason }
             }
             DetectionOutcome::False(reason) => MatchOutcome::False { detection: detection(idx), reason },
-            DetectionOutcome::Unknowable => MatchOutcome::Unknowable { detection: detection(idx) },
+            DetectionOutcome::Unknowable(agreement) => {
+                MatchOutcome::Unknowable { detection: detection(idx), agreement }
+            }
         })
     });
     let row = |outcome| MatchRow {

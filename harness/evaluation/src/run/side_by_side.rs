@@ -5,8 +5,10 @@ use std::ops::Range;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Duration;
 
-use detector::DetectorOutput;
+use detector::{Detections, DetectorOutput};
 use rayon::prelude::*;
+use reports::vocabulary::reason::IgnoredDetection;
+use reports::vocabulary::task::Task;
 use scans::annotation::{LabeledScan, ScanId};
 use scans::dataset::checksum::checksum_as_read;
 use scans::dataset::scan_times::{ScanTime, scan_times};
@@ -15,7 +17,8 @@ use scans::dataset::{Dataset, DatasetError};
 use crate::matching::assign::{MatchingParams, assign};
 use crate::matching::class_criteria::ClassCriteria;
 use crate::matching::lost_points::LostPoints;
-use crate::matching::outcome::Assignment;
+use crate::matching::outcome::{Assignment, DetectionOutcome};
+use crate::metrics::agreement::agreements;
 use crate::process::problem::{DetectorFailure, DetectorProblem};
 use crate::run::counter::{Count, Counter};
 use crate::run::given_classes::GivesClasses;
@@ -209,7 +212,10 @@ impl SideBySide<'_> {
                 let turns = self.detect_all(run_idx, &asked, detectors, &mut outputs, &mut reference);
                 let turns = turns.map_err(or_interrupted)?;
                 gives.iter_mut().zip(&outputs).for_each(|(gives, output)| gives.look(&output.detections));
-                let results = self.results(&scan, detectors, &outputs, &gives, turns);
+                let mut results = self.results(&scan, detectors, &outputs, &gives, turns);
+                if !scan.is_labeled() {
+                    say_who_agrees(&mut results, scan.cloud.len());
+                }
                 on_scan(ScanResults { run_idx, scan: &scan, checksum, time, results: &results, detectors })?;
             }
         }
@@ -344,6 +350,31 @@ impl SideBySide<'_> {
                 failure: turns.failure,
             })
             .collect()
+    }
+}
+
+/// Says of all detections in a scan of `n_points` without labels how many of the other detectors have them.
+fn say_who_agrees(results: &mut [DetectorScan], n_points: usize) {
+    if results.len() < 2 {
+        return;
+    }
+    for task in Task::ALL {
+        let all: Vec<&Detections> = results.iter().map(|it| &it.output.detections).collect();
+        let agreements = agreements(&all, task, n_points);
+        for (result, agreements) in results.iter_mut().zip(agreements) {
+            for assignment in result.assignments.iter_mut().filter(|it| it.task == task) {
+                for (outcome, agreement) in assignment.detections.iter_mut().zip(&agreements) {
+                    let is_unlabelled = matches!(
+                        outcome,
+                        DetectionOutcome::Unknowable(_)
+                            | DetectionOutcome::Ignored(IgnoredDetection::OutsideLabeledRegion)
+                    );
+                    if is_unlabelled && agreement.is_some() {
+                        *outcome = DetectionOutcome::Unknowable(*agreement);
+                    }
+                }
+            }
+        }
     }
 }
 

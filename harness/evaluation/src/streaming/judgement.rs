@@ -110,7 +110,7 @@ impl<'a> JudgedMoment<'a> {
             Some(match (*unmatched)? {
                 Unmatched::False => MatchOutcome::False { detection, reason: FalseReason::NothingThere },
                 Unmatched::Ignored(reason) => MatchOutcome::IgnoredDetection { detection, reason },
-                Unmatched::Unknowable => MatchOutcome::Unknowable { detection },
+                Unmatched::Unknowable => MatchOutcome::Unknowable { detection, agreement: None },
             })
         });
         outcomes.extend(ignored.chain(alone).map(|it| (it, None)));

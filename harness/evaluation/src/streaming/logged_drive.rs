@@ -214,7 +214,7 @@ impl LoggedTask {
             Of::IgnoredDetection { detection, reason } => {
                 (None, Some(alone(detection, Unmatched::Ignored(*reason))))
             }
-            Of::Unknowable { detection } => (None, Some(alone(detection, Unmatched::Unknowable))),
+            Of::Unknowable { detection, .. } => (None, Some(alone(detection, Unmatched::Unknowable))),
         };
         let labels = &mut self.labels[scan_idx];
         // Every detector has a row about the same annotation.

@@ -7,6 +7,7 @@ use clap::Args;
 use super::help_text::{DETECTORS, OUTPUT};
 
 /// Arguments of `scanbench compare`.
+#[expect(clippy::struct_excessive_bools, reason = "each is a switch of the command line")]
 #[derive(Debug, Args)]
 #[command(after_help = COMPARE_EXAMPLES)]
 pub struct CompareArgs {
@@ -29,6 +30,9 @@ pub struct CompareArgs {
     /// Compare slices, too: by class, range, number of points and occlusion
     #[arg(long, help_heading = OUTPUT)]
     pub slices: bool,
+    /// Print all numbers, not only those that detectors are known by and those that surely differ
+    #[arg(long, help_heading = OUTPUT)]
+    pub full: bool,
     /// Also write the table as CSV, Markdown and LaTeX, and a figure, into this directory
     #[arg(short, long, value_name = "DIR", help_heading = OUTPUT)]
     pub output: Option<PathBuf>,

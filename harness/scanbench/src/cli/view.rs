@@ -51,6 +51,8 @@ pub enum OutcomeName {
     Missed,
     /// False detections
     False,
+    /// Detections that no other detector has, where nothing is labelled
+    Alone,
 }
 
 const VIEW_EXAMPLES: &str = "\

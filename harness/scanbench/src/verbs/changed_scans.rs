@@ -222,7 +222,7 @@ pub fn record_sides(sides: &TwoSides<'_>, scans: &[PointedScan<'_>]) -> Result<(
         detectors: &sides.names,
         n_scans: scans.len(),
         has_poses: false,
-        at_the_start: true,
+        follows: false,
         shows_changes: true,
         figures: &[],
     })?
@@ -299,8 +299,8 @@ fn outcomes(rows: &[&MatchRow], n_annotations: usize, task: Task) -> (DetectorOu
                 push(detection, DetectionOutcome::Ignored(*reason));
                 continue;
             }
-            MatchOutcome::Unknowable { detection } => {
-                push(detection, DetectionOutcome::Unknowable);
+            MatchOutcome::Unknowable { detection, agreement } => {
+                push(detection, DetectionOutcome::Unknowable(*agreement));
                 continue;
             }
         };

@@ -7,11 +7,12 @@ use reports::pages::sweep_page::SweepPage;
 use reports::rows::partial_row::PartialRow;
 use reports::run_folder::command_line::shell_word;
 use reports::run_folder::run_archive::RunArchive;
-use reports::tables::formats::format::Format;
+use reports::tables::formats::format::Format as _;
 use reports::tables::formats::markdown::Markdown;
 use reports::tables::verdict::comparison::{
     ComparedSlices, Comparison, DifferenceRow, compare_detectors, compare_runs,
 };
+use reports::tables::verdict::comparison_in_short::InShort;
 
 use crate::cli::{CompareArgs, OutputArgs};
 use crate::plumbing::failure::{Failure, Usage};
@@ -55,13 +56,22 @@ pub fn compare(arguments: &CompareArgs) -> Result<(), Failure> {
         write_table(&directory, "comparison", &comparison)?;
         print_diagnostic(format_args!("Comparison: {}", directory.finish()?.display()));
     }
-    let format: &dyn Format<Comparison> = if arguments.markdown { &Markdown } else { &terminal() };
-    let text = format.text(&comparison);
-    print_text(&text)?;
+    print_text(&text_of(&comparison, arguments))?;
     if let (Some(other), Some((1.., _))) = (&arguments.other, &comparison.drift) {
         say_how_to_see(&run, [&arguments.run, other]);
     }
     Ok(())
+}
+
+/// The whole comparison where it is asked for; else what is on one screen, and how many more numbers there are.
+fn text_of(comparison: &Comparison, arguments: &CompareArgs) -> String {
+    if arguments.markdown {
+        return Markdown.text(comparison);
+    }
+    if arguments.full || arguments.slices {
+        return terminal().text(comparison);
+    }
+    terminal().text(&InShort(comparison))
 }
 
 /// Says how the changes from one run to the other are seen; points of sweeps and partial clouds have no scene.

@@ -7,7 +7,7 @@ use reports::rows::match_row::MatchRow;
 use reports::run_folder::command_line::shell_word;
 use reports::run_folder::run_target::MANIFEST_JSON;
 use reports::vocabulary::class::{AnnotationClass, DetectionClass};
-use reports::vocabulary::reason::MistakeKind;
+use reports::vocabulary::reason::ShownKind;
 use reports::worst::mistakes::{MistakeChoice, worst, worst_to_terminal};
 
 use crate::cli::{OutcomeName, ViewArgs};
@@ -48,8 +48,9 @@ pub fn view(arguments: &ViewArgs) -> Result<(), Failure> {
         task,
         at: arguments.at.as_deref(),
         kind: arguments.outcome.map(|it| match it {
-            OutcomeName::Missed => MistakeKind::Missed,
-            OutcomeName::False => MistakeKind::False,
+            OutcomeName::Missed => ShownKind::Missed,
+            OutcomeName::False => ShownKind::False,
+            OutcomeName::Alone => ShownKind::Alone,
         }),
         class: arguments.class.as_deref(),
     };

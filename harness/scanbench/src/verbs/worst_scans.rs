@@ -14,7 +14,6 @@ use evaluation::run::sink::{JudgedScan, WatchedDataset};
 use reports::run_folder::command_line::shell_word;
 use reports::run_folder::manifest::Manifest;
 use reports::run_folder::run_archive::RunArchive;
-use reports::vocabulary::reason::MistakeKind;
 use reports::vocabulary::task::Task;
 use reports::worst::mistakes::ListedMistake;
 
@@ -57,7 +56,7 @@ pub fn record(
         detectors: &names,
         n_scans: scans.len(),
         has_poses: again.datasets.iter().any(OpenedDataset::has_poses),
-        at_the_start: true,
+        follows: false,
         shows_changes: false,
         figures: &[],
     })?
@@ -92,10 +91,7 @@ struct WorstScan {
 
 /// Points at a mistake, if it has a box.
 fn mark(rank: u32, mistake: &ListedMistake<'_>) -> Option<Mark> {
-    let kind = match mistake.kind {
-        MistakeKind::Missed => "missed",
-        MistakeKind::False => "false",
-    };
+    let kind = mistake.kind;
     let text = format!("worst {rank}: {kind} {}, {}", mistake.class, mistake.reason);
     Some(Mark { position_m: mistake.position_m?, text, change: None })
 }

@@ -17,10 +17,21 @@ use crate::entity_paths::{self, ProductKind};
 use crate::legend;
 use crate::product_views::DetectorViews;
 
-/// A scene for each detector, and below them the mistakes in words and the series.
+/// The scene of the first detector beside that of the second, the others a click away; and below them the mistakes in words
+/// and the series.
 pub fn compare(layout: &RecordingLayout<'_>, properties: &mut Vec<Property>) -> ContainerLike {
+    let (first, others) = layout.detectors.split_at(layout.detectors.len().min(1));
     let mut scenes: Vec<ContainerLike> =
-        layout.detectors.iter().map(|it| detector_tabs(layout, it, properties)).collect();
+        first.iter().map(|it| detector_tabs(layout, it, properties)).collect();
+    match others {
+        [] => {}
+        [second] => scenes.push(detector_tabs(layout, second, properties)),
+        _ => {
+            let of_others =
+                others.iter().map(|it| outcomes(layout, it, entity_paths::SENSOR, Eye::BEHIND, properties));
+            scenes.push(Tabs::new(of_others.collect::<Vec<_>>()).into());
+        }
+    }
     let mut shares = vec![1.0; scenes.len()];
     if layout.axis.is_of_a_sweep() {
         // In a sweep the curves matter most, and how the scene looks where they turn.
@@ -93,28 +104,36 @@ fn detector_tabs(
     Tabs::new([outcomes, cells, clusters]).into()
 }
 
-/// F-rates, the mistakes of each detector in words, and the legend.
+/// The mistakes of each detector in words, as wide as sentences need; F-rates, and the legend.
 fn bottom_row(layout: &RecordingLayout<'_>, properties: &mut Vec<Property>) -> ContainerLike {
-    let (mut columns, mut shares) = (Vec::new(), Vec::new());
+    let detectors = || layout.detectors.iter().map(|it| it.detector.as_str());
+    let mut words: Vec<ContainerLike> = detectors().map(|it| mistakes(layout, it, properties)).collect();
+    for detector in detectors().filter(|_| layout.is_labelled) {
+        words.extend(numbers(layout, detector, properties));
+    }
+    let (mut columns, mut shares) = (vec![Tabs::new(words).into()], vec![2.4]);
     if !layout.axis.is_of_a_sweep() {
         columns.push(rates(layout, properties));
-        shares.push(0.8);
-    }
-    for detector in layout.detectors {
-        columns.push(words_and_numbers(layout, &detector.detector, properties));
-        shares.push(1.3);
+        shares.push(1.0);
     }
     columns.push(drawn_legend(entity_paths::LEGEND_OUTCOMES, properties));
-    shares.push(1.2);
+    shares.push(1.0);
     Horizontal::new(columns).with_column_shares(shares).into()
 }
 
+/// F-rates over the axis, or numbers of detections where nothing is labelled; and times.
 fn rates(layout: &RecordingLayout<'_>, properties: &mut Vec<Property>) -> ContainerLike {
     let mut f_rate_view = |task: Task| {
-        let view: ContainerLike = TimeSeriesView::new(format!("{}: {}", layout.axis.rates, task.name()))
-            .with_origin(entity_paths::f_rates(task))
-            .into();
-        add(properties, &view, "ScalarAxis", ScalarAxis::new().with_range([0.0, 1.0]));
+        let (title, origin) = if layout.is_labelled {
+            (layout.axis.rates.as_str(), entity_paths::f_rates(task))
+        } else {
+            ("detections", entity_paths::numbers_of_detections(task))
+        };
+        let view: ContainerLike =
+            TimeSeriesView::new(format!("{title}: {}", task.name())).with_origin(origin).into();
+        if layout.is_labelled {
+            add(properties, &view, "ScalarAxis", ScalarAxis::new().with_range([0.0, 1.0]));
+        }
         add(properties, &view, "PlotLegend", PlotLegend::new().with_corner(Corner2D::LeftBottom));
         view
     };
@@ -141,21 +160,23 @@ fn curves(layout: &RecordingLayout<'_>, properties: &mut Vec<Property>) -> Vec<C
     curves
 }
 
-/// Mistakes of a detector in the scan, in words; its counts and its stage times are one click away.
-fn words_and_numbers(
+/// Counts and stage times of a detector.
+fn numbers(
     layout: &RecordingLayout<'_>,
     detector: &str,
     properties: &mut Vec<Property>,
-) -> ContainerLike {
-    let mistakes = mistakes(layout, detector, properties);
-    let mut series = |name: &str, origin| {
+) -> [ContainerLike; 2] {
+    let mut series = |name: String, origin| {
         let view: ContainerLike = TimeSeriesView::new(name).with_origin(origin).into();
         add(properties, &view, "PlotLegend", PlotLegend::new().with_corner(Corner2D::LeftTop));
         view
     };
-    let counts = series("counts", entity_paths::counts(detector, layout.opening.shown_task));
-    let times = series("stage times in ms", entity_paths::stage_times(detector));
-    Tabs::new([mistakes, counts, times]).into()
+    let counts = entity_paths::counts(detector, layout.opening.shown_task);
+    let stage_times = entity_paths::stage_times(detector);
+    [
+        series(format!("{detector}: counts"), counts),
+        series(format!("{detector}: stage times in ms"), stage_times),
+    ]
 }
 
 /// Mistakes of a detector in the scan, in words.
@@ -164,7 +185,8 @@ pub fn mistakes(
     detector: &str,
     properties: &mut Vec<Property>,
 ) -> ContainerLike {
-    lines(&format!("{detector}: missed and false"), detector, layout, properties)
+    let what = if layout.is_labelled { "missed and false" } else { "what no other detector has" };
+    lines(&format!("{detector}: {what}"), detector, layout, properties)
 }
 
 /// The lines that a detector has in the shown task, as a list with this title.

@@ -5,7 +5,7 @@ use rerun::blueprint::{
     Blueprint, BlueprintActivation, BlueprintPanel, ContainerLike, SelectionPanel, Tabs, TimePanel,
 };
 use rerun::external::re_log_types::{BlueprintActivationCommand, LogMsg};
-use rerun::{RecordingStream, RecordingStreamBuilder};
+use rerun::{RecordingStream, RecordingStreamBuilder, StoreId, StoreKind};
 
 use self::compare::{changes, compare, drive};
 use self::scene::Property;
@@ -29,6 +29,10 @@ pub struct RecordingLayout<'a> {
     pub axis: &'a RecordingAxis,
     /// How the recording opens.
     pub opening: Opening,
+    /// Whether the time follows the newest scan, and does not stay at the first.
+    pub is_live: bool,
+    /// Whether the scans have labels.
+    pub is_labelled: bool,
 }
 
 /// Sends the blueprint of `layout` along `stream`.
@@ -62,14 +66,34 @@ pub fn send_blueprint(
     send(stream, application_id, &plain_blueprint(Tabs::new(tabs), layout), &properties)
 }
 
-/// `content` with the time below it, and no other panels.
+/// Sends the beginning of the blueprint along `stream`: the time, and no view. A viewer reads all layers of a recording at once;
+/// without this in each of them it would be at a late scan before it has the layout.
+///
+/// # Errors
+///
+/// [`StreamError::Log`] if Rerun refuses.
+pub fn send_time(
+    stream: &RecordingStream,
+    application_id: &'static str,
+    axis: &RecordingAxis,
+    is_live: bool,
+) -> Result<(), StreamError> {
+    let nothing = Tabs::new(Vec::<ContainerLike>::new());
+    send(stream, application_id, &with_time(nothing, axis, is_live), &[])
+}
+
 fn plain_blueprint(content: impl Into<ContainerLike>, layout: &RecordingLayout<'_>) -> Blueprint {
+    with_time(content, layout.axis, layout.is_live)
+}
+
+/// `content` with the time below it, and no other panels.
+fn with_time(content: impl Into<ContainerLike>, axis: &RecordingAxis, is_live: bool) -> Blueprint {
     Blueprint::new(content)
         .with_auto_views(false)
         .with_auto_layout(false)
         .with_blueprint_panel(BlueprintPanel::from_state(PanelState::Hidden))
         .with_selection_panel(SelectionPanel::from_state(PanelState::Hidden))
-        .with_time_panel(time_panel(layout))
+        .with_time_panel(time_panel(axis, is_live))
 }
 
 /// Sends `blueprint` with `properties` of its views along `stream`.
@@ -79,19 +103,28 @@ fn send(
     blueprint: &Blueprint,
     properties: &[Property],
 ) -> Result<(), StreamError> {
-    let (messages, activation) = messages(application_id, blueprint, properties)
+    let (mut messages, mut activation) = messages(application_id, blueprint, properties)
         .map_err(|reason| StreamError::Log { entity: "the blueprint".to_owned(), reason })?;
+    if let Some(recording) = stream.store_info().map(|it| it.store_id) {
+        // One blueprint for a recording: what comes later replaces what came before.
+        let id = StoreId::new(StoreKind::Blueprint, application_id, recording.recording_id().as_str());
+        for it in &mut messages {
+            it.set_store_id(id.clone());
+        }
+        activation.blueprint_id = id;
+    }
     stream.send_blueprint(messages, activation);
     Ok(())
 }
 
-fn time_panel(layout: &RecordingLayout<'_>) -> TimePanel {
-    let panel = TimePanel::new()
+fn time_panel(axis: &RecordingAxis, is_live: bool) -> TimePanel {
+    // A viewer holds the scene where its user stops the time, and goes on with it by its button *follow*.
+    let state = if is_live { PlayState::Following } else { PlayState::Paused };
+    TimePanel::new()
         .with_state(PanelState::Collapsed)
-        .with_timeline(layout.axis.timeline.as_str())
-        .with_fps(layout.axis.steps_per_s);
-    // Left alone, a viewer follows the incoming data, and stays at the end.
-    if layout.opening.at_the_start { panel.with_play_state(PlayState::Paused) } else { panel }
+        .with_timeline(axis.timeline.as_str())
+        .with_fps(axis.steps_per_s)
+        .with_play_state(state)
 }
 
 /// The messages of the blueprint store: the layout by Rerun's builders, then the properties, logged into the same store.

@@ -46,7 +46,8 @@ pub fn stages(
         ScenePoints::by(detector.clusters),
         properties,
     ));
-    let outcomes = format!("{} {}: right and wrong", n_stages + 2, layout.opening.shown_task.name());
+    let judged = if layout.is_labelled { "right and wrong" } else { "who agrees" };
+    let outcomes = format!("{} {}: {judged}", n_stages + 2, layout.opening.shown_task.name());
     let judged = vec![entity_paths::outcomes(name, layout.opening.shown_task)];
     views.push(scene(&outcomes, judged, ScenePoints::by(detector.surfaces), properties));
     let n_columns = views.len().div_ceil(2) as u32;

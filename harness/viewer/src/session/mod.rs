@@ -8,7 +8,7 @@ use reports::vocabulary::task::Task;
 use rerun::EntityPath;
 use scans::annotation::LabeledScan;
 
-use super::blueprint::{RecordingLayout, send_blueprint};
+use super::blueprint::{RecordingLayout, send_blueprint, send_time};
 use super::drawn_points::{DrawnPoints, PointChoice};
 use super::error::StreamError;
 use super::layers::{APPLICATION_ID, Layers};
@@ -17,9 +17,10 @@ use super::log_products::log_products;
 use super::log_scan::{log_pose, log_scan, log_title};
 use super::log_scores::log_scores;
 use super::log_series::{
-    log_counts, log_f_rate, log_further, log_further_lines, log_latency, log_lines, log_stage_times,
+    log_counts, log_f_rate, log_further, log_further_lines, log_latency, log_lines, log_lines_without_labels,
+    log_number_of_detections, log_stage_times,
 };
-use super::log_static::log_static;
+use super::log_static::{log_legend, log_static};
 use super::product_views::{DetectorOutline, DetectorViews};
 use super::recording;
 use super::recording_axis::RecordingAxis;
@@ -56,6 +57,8 @@ pub struct Stream {
     points: PointChoice,
     drawn_points: DrawnPoints,
     is_laid_out: bool,
+    /// Whether the scans have labels: as the first one.
+    is_labelled: Option<bool>,
     n_held_back: u32,
 }
 
@@ -125,8 +128,12 @@ impl Stream {
             points: options.points,
             drawn_points: DrawnPoints::default(),
             is_laid_out: false,
+            is_labelled: None,
             n_held_back: 0,
         };
+        for layer in stream.layers.without_layout() {
+            send_time(layer, APPLICATION_ID, &stream.axis, stream.is_live())?;
+        }
         // A full disk shows here, and not after the first scans.
         stream.layers.flush()?;
         Ok(stream)
@@ -159,12 +166,33 @@ impl Stream {
         }
         self.n_held_back += 1;
         self.set_step(view.step)?;
+        if self.is_labelled.is_none() {
+            self.is_labelled = Some(view.scan.is_labeled());
+            self.log_lack_of_labels()?;
+        }
         self.drawn_points = DrawnPoints::choose(&view.scan.cloud, self.points);
         log_scan(self.layers.scans(), view, &self.drawn_points)?;
         if self.opening.has_poses {
             log_pose(self.layers.scans(), view.world_from_sensor.as_ref(), view.drive_m)?;
         }
         Ok(())
+    }
+
+    /// Logs how agreement is drawn, if the scans have no labels.
+    fn log_lack_of_labels(&self) -> Result<(), StreamError> {
+        if self.is_labelled() {
+            return Ok(());
+        }
+        log_legend(self.layers.scans(), false)?;
+        for (index, it) in self.detectors.iter().enumerate() {
+            let detector_idx = self.layers.joined.len() + index;
+            log_lines_without_labels(self.layers.of_detector(index), &it.name, detector_idx)?;
+        }
+        Ok(())
+    }
+
+    fn is_labelled(&self) -> bool {
+        self.is_labelled.unwrap_or(true)
     }
 
     /// Goes on to another position on the axis with the same scan, and writes `title` where the scan is named. The `further`
@@ -198,6 +226,7 @@ impl Stream {
                 announced: self.detectors.iter().map(|it| it.name.clone()).collect(),
             });
         };
+        let is_labelled = self.is_labelled();
         let state = &mut self.detectors[detector_idx];
         let stream = self.layers.of_detector(detector_idx);
         let mut on_screen = log_products(stream, &self.drawn_points, view.name, view.products)?;
@@ -206,8 +235,12 @@ impl Stream {
             let assignment = task.assignment;
             on_screen.extend(log_outcomes(stream, scan, view.name, &view.output.detections, assignment)?);
             log_mistakes(stream, view.name, assignment.task, &task.mistakes)?;
-            log_counts(stream, view.name, assignment, task.false_detections)?;
-            log_f_rate(stream, view.name, assignment.task, task.f_rate_so_far)?;
+            if is_labelled {
+                log_counts(stream, view.name, assignment, task.false_detections)?;
+                log_f_rate(stream, view.name, assignment.task, task.f_rate_so_far)?;
+            } else {
+                log_number_of_detections(stream, view.name, assignment)?;
+            }
         }
         // Entities that only the previous scan had would stay otherwise.
         for path in state.on_screen.difference(&on_screen) {
@@ -220,7 +253,7 @@ impl Stream {
         log_stage_times(stream, view.name, &view.output.stage_times, &mut state.stages)?;
         state.outline.get_or_insert_with(|| DetectorOutline::of(view.name, view.products));
         if !self.is_laid_out && self.detectors.iter().all(|it| it.outline.is_some()) {
-            self.lay_out()?;
+            self.lay_out(self.is_live())?;
         }
         Ok(())
     }
@@ -247,23 +280,36 @@ impl Stream {
     ///
     /// [`StreamError::Write`] if the file is not complete.
     pub fn finish(mut self) -> Result<StreamEnding, StreamError> {
+        let is_live = self.is_live();
         if !self.is_laid_out {
-            self.lay_out()?;
+            self.lay_out(is_live)?;
         }
         self.layers.flush()?;
-        let file_n_bytes = self.layers.finish()?;
         let (viewer, served) = self.viewer.finish();
+        if is_live {
+            // The viewer is done, so only the file gets this.
+            self.lay_out(false)?;
+            self.layers.flush()?;
+        }
+        let file_n_bytes = self.layers.finish()?;
         Ok(StreamEnding { file_n_bytes, viewer, served })
     }
 
+    /// Whether a viewer follows the recording now.
+    fn is_live(&self) -> bool {
+        self.opening.follows && self.viewer.state() == ViewerState::Connected
+    }
+
     /// Sends the blueprint, which depends on the stage products of the detectors.
-    fn lay_out(&mut self) -> Result<(), StreamError> {
+    fn lay_out(&mut self, is_live: bool) -> Result<(), StreamError> {
         let outline =
             |it: &DetectorState| it.outline.clone().unwrap_or_else(|| DetectorOutline::of(&it.name, &[]));
         let mut outlines = self.layers.joined.clone();
         outlines.extend(self.detectors.iter().map(outline));
         let detectors: Vec<DetectorViews> = outlines.iter().map(DetectorViews::of).collect();
-        let layout = RecordingLayout { detectors: &detectors, axis: &self.axis, opening: self.opening };
+        let (axis, opening) = (&self.axis, self.opening);
+        let is_labelled = self.is_labelled();
+        let layout = RecordingLayout { detectors: &detectors, axis, opening, is_live, is_labelled };
         send_blueprint(self.layers.layout(&outlines)?, APPLICATION_ID, &layout)?;
         self.is_laid_out = true;
         Ok(())

@@ -32,6 +32,7 @@ use crate::verdicts::protocol_differences::{
     ProtocolPair, ProtocolSide, common_protocols, pairs as pairs_of,
 };
 use crate::vocabulary::metric::Metric;
+use crate::vocabulary::protocol::Protocol;
 use crate::vocabulary::slice::Slice;
 use crate::vocabulary::study::Study;
 use crate::vocabulary::task::Task;
@@ -65,6 +66,8 @@ pub struct NamedDifference {
     pub detector: String,
     /// Name of the slice, or of the class under a protocol.
     pub slice: String,
+    /// Whether detectors are known by it.
+    pub is_headline: bool,
     /// The numbers.
     pub difference: PairedDifference,
 }
@@ -154,7 +157,13 @@ pub fn compare_detectors(
 fn named(differences: Vec<PartialDifference>) -> impl Iterator<Item = NamedDifference> {
     differences.into_iter().map(|it| {
         let PartialDifference { on, detector, slice, difference, .. } = it;
-        NamedDifference { task: about(Study::Partial.name(), Some(&on)), detector, slice, difference }
+        NamedDifference {
+            task: about(Study::Partial.name(), Some(&on)),
+            detector,
+            slice,
+            is_headline: true,
+            difference,
+        }
     })
 }
 
@@ -177,12 +186,15 @@ fn differences(
                     };
                     let [Some(before), Some(after)] = [0, 1].map(sample) else { continue };
                     let of_metrics = compared_metrics(task, slices, &before, &after);
+                    let has_f_rate = [&before, &after].iter().all(|it| it.value(&Metric::FRate).is_some());
+                    let headline = if has_f_rate { Metric::FRate } else { Metric::Recall };
                     let of_metrics =
                         of_metrics.into_iter().filter_map(|it| paired_difference(&before, &after, &it));
                     let task = about(task.name(), on.as_deref());
                     differences.extend(of_metrics.map(|difference| {
                         let (task, detector, slice) = (task.clone(), name.clone(), slice.name());
-                        NamedDifference { task, detector, slice, difference }
+                        let is_headline = difference.metric == headline;
+                        NamedDifference { task, detector, slice, is_headline, difference }
                     }));
                 }
             }
@@ -194,7 +206,8 @@ fn differences(
             for (name, detectors) in pairs {
                 let side = |it: usize| ProtocolSide::of(rows[it], protocol, detectors[it], &scans);
                 if let [Some(before), Some(after)] = [0, 1].map(side) {
-                    differences.extend(of_protocol(&task, name, pairs_of(&before, &after, &scans), slices));
+                    let pairs = pairs_of(&before, &after, &scans);
+                    differences.extend(of_protocol(protocol, [&task, name], pairs, slices));
                 }
             }
         }
@@ -231,8 +244,8 @@ fn about_data(run: &RunArchive, tally: &Tally) -> String {
 
 /// The differences under a protocol; those of single classes only where slices are compared, or there are no others.
 fn of_protocol(
-    protocol: &str,
-    detector: &str,
+    protocol: Protocol,
+    [task, detector]: [&str; 2],
     pairs: Vec<ProtocolPair>,
     slices: ComparedSlices,
 ) -> Vec<NamedDifference> {
@@ -240,8 +253,9 @@ fn of_protocol(
     let is_shown =
         |it: &ProtocolPair| slices == ComparedSlices::Each || !has_summary || it.class == ALL_CLASSES;
     let named = |it: ProtocolPair| {
-        let (task, detector) = (protocol.to_owned(), detector.to_owned());
-        Some(NamedDifference { task, detector, slice: it.class, difference: it.difference? })
+        let (task, detector) = (task.to_owned(), detector.to_owned());
+        let is_headline = protocol.principal_metrics().contains(&it.metric.id().as_str());
+        Some(NamedDifference { task, detector, slice: it.class, is_headline, difference: it.difference? })
     };
     pairs.into_iter().filter(is_shown).filter_map(named).collect()
 }
@@ -252,7 +266,7 @@ impl Tabular for Comparison {
         let sheet = if self.differences.is_empty() {
             Sheet::of_parts(Vec::new(), [vec![title], self.sentences()].concat())
         } else {
-            Sheet::of(title, self.grid(), self.sentences())
+            Sheet::of(title, self.grid_of(&self.differences.iter().collect::<Vec<_>>()), self.sentences())
         };
         sheet.labelled("comparison")
     }
@@ -292,11 +306,12 @@ impl Comparison {
         [about_numbers].into_iter().chain(self.doubts.iter().cloned()).chain(of_sides).collect()
     }
 
-    fn grid(&self) -> Grid {
+    /// The table of some of its differences.
+    pub(super) fn grid_of(&self, shown: &[&NamedDifference]) -> Grid {
         let left = ["task", "detector", "slice", "metric"].map(Column::left);
         let [first, second] = self.sides();
         let numbers = [first, second, "difference", "95 %", DETECTABLE].map(Column::number);
-        let lines = self.differences.iter().map(|named| {
+        let lines = shown.iter().map(|named| {
             let it = &named.difference;
             let metric = &it.metric;
             let cells = vec![
@@ -340,7 +355,7 @@ impl DifferenceRow {
         comparison.differences.iter().map(Self::of).collect()
     }
 
-    fn of(NamedDifference { task, detector, slice, difference }: &NamedDifference) -> Self {
+    fn of(NamedDifference { task, detector, slice, difference, .. }: &NamedDifference) -> Self {
         Self {
             task: task.clone(),
             detector: detector.clone(),

@@ -3,5 +3,6 @@
 pub(crate) mod wording;
 pub(crate) mod tolerated;
 pub mod comparison;
+pub mod comparison_in_short;
 pub mod summary;
 pub mod brief;

@@ -158,7 +158,7 @@ impl Scene<'_> {
                 if annotated.covers(self.task) {
                     DetectionOutcome::False(self.false_reason(detection_idx))
                 } else {
-                    DetectionOutcome::Unknowable
+                    DetectionOutcome::Unknowable(None)
                 }
             })
         };
@@ -265,7 +265,7 @@ mod tests {
                     format!("{annotation_idx} at {cost:.2}")
                 }
                 DetectionOutcome::False(reason) => format!("false: {}", reason.name()),
-                DetectionOutcome::Unknowable => "unknowable".to_owned(),
+                DetectionOutcome::Unknowable(_) => "unknowable".to_owned(),
             });
             (annotations.collect(), detections.collect())
         }

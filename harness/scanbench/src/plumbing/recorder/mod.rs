@@ -57,8 +57,8 @@ pub struct RecordingPlan<'a> {
     pub n_scans: usize,
     /// Whether the poses of the sensor are known for some scans at least.
     pub has_poses: bool,
-    /// Whether it opens at its first scan, and not at the last.
-    pub at_the_start: bool,
+    /// Whether a viewer follows it while it grows. A complete one opens at its first scan.
+    pub follows: bool,
     /// Whether it is of changes between two runs.
     pub shows_changes: bool,
     /// Figures that have a tab of their own.
@@ -88,7 +88,7 @@ pub fn begin_recording(
         detectors: &detectors,
         n_scans,
         has_poses: datasets.iter().any(OpenedDataset::has_poses),
-        at_the_start: false,
+        follows: true,
         shows_changes: false,
         figures,
     })?;

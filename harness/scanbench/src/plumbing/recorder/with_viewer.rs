@@ -59,7 +59,7 @@ pub fn begin(plan: &RecordingPlan<'_>) -> Result<Option<Recorder>, Failure> {
             TabName::Drive => FirstTab::Drive,
         },
         has_poses: plan.has_poses,
-        at_the_start: plan.at_the_start,
+        follows: plan.follows,
         figures: plan.figures,
     };
     let options = RunRecordingOptions {

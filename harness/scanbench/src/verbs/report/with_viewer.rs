@@ -17,6 +17,7 @@ use reports::rows::scan_row::ScanRow;
 use reports::run_folder::run_directory::{
     PARTIAL_CSV, RECORDING, RECORDINGS_JSON, SCANS_CSV, VIEWER, VIEWER_PLACES_JSON,
 };
+use reports::vocabulary::reason::ShownKind;
 use reports::worst::recorded::{RecordedObject, Recordings};
 use scans::dataset::checksum::sha256;
 
@@ -152,10 +153,13 @@ fn marks_of(facts: &RunFacts, places: &[RecordedObject]) -> BTreeMap<String, Mar
     let mut marks: BTreeMap<String, MarksByDetector> = BTreeMap::new();
     for (list, worst) in facts.worst() {
         let place = places.iter().find(|it| it.object == worst.object);
-        let (Some(kind), Some(RecordedObject { recording, step, .. })) = (list.kind, place) else { continue };
+        let Some(RecordedObject { recording, step, .. }) = place.filter(|_| list.kind != ShownKind::Matched)
+        else {
+            continue;
+        };
         let mark = Mark {
             position_m: worst.window.center_m,
-            text: format!("{} {}: {}", kind.name(), worst.class, worst.reason),
+            text: format!("{} {}: {}", list.kind, worst.class, worst.reason),
             change: None,
         };
         let of_detector =

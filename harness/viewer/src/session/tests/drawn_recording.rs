@@ -119,7 +119,7 @@ pub fn options(viewer: ViewerChoice) -> StreamOptions {
         shown_task: Task::Objects,
         first_tab: FirstTab::Compare,
         has_poses: true,
-        at_the_start: false,
+        follows: true,
         figures: &[],
     };
     StreamOptions { name: "test".to_owned(), viewer, opening, points: PointChoice::All }

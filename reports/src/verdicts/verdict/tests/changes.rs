@@ -101,7 +101,7 @@ fn each_change_has_a_kind() {
          (10.0, 0.0) m",
     );
     check(
-        row(0, MatchOutcome::Unknowable { detection: detection(10.0, 40) }),
+        row(0, MatchOutcome::Unknowable { detection: detection(10.0, 40), agreement: None }),
         false_one(0, as_object),
         ChangeKind::NewFalse,
         "detection of 40 points at (10.0, 0.0) m: before unknowable, now false (nothing there)",
