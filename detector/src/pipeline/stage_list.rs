@@ -82,7 +82,7 @@ impl<C> Stages<C> {
 /// use detector::{DetectedClass, Detection, Detector, OrientedBox, PointCloud};
 ///
 /// // Takes all of the foreground for one object.
-/// fn report(_: &PointCloud, frame: &mut Frame<C>, output: &mut DetectorOutput) {
+/// fn report(_: &PointCloud, frame: &mut Frame<Foreground>, output: &mut DetectorOutput) {
 ///     let bounding_box =
 ///         OrientedBox { center_m: [8.0, 0.0, -1.0], length_width_height_m: [4.0, 2.0, 1.5], yaw_rad: 0.0 };
 ///     let points = frame.clustering.point_indices();

@@ -6,6 +6,7 @@ use detector::params::HierarchicalParams;
 use detector::pipeline::frame::Groups;
 use detector::pipeline::stage_list::Pipeline;
 use detector::pipeline::tree_detector::{GroupModels, VehiclesBy, hierarchical};
+use detector::road_user::RoadUser;
 use detector::{DetectedClass, Detection, Detector, DetectorOutput, PointCloud, Rule};
 use test_data::test_data;
 
@@ -37,30 +38,41 @@ fn no_point_belongs_to_two_objects_and_each_has_its_expected_iou() {
     }
 }
 
+/// What may be a road user: its class, score and number of points.
+type Ranked = (RoadUser, f32, usize);
+
+fn ranked(detection: Detection<'_>) -> Ranked {
+    let is_of = |it: &RoadUser| (it.class(), it.given()) == (detection.class, detection.given);
+    let road_user = RoadUser::ALL.into_iter().find(is_of).expect("a class of road users");
+    (road_user, detection.score.expect("a score"), detection.point_indices.len())
+}
+
 #[test]
-fn what_may_be_a_vehicle_is_ranked_below_all_vehicles() {
+fn what_may_be_a_road_user_is_ranked_below_all_of_its_class() {
+    // More than one of the two objects that are nearly vehicles has.
+    const LEAST_POINTS: usize = 2400;
     let cloud = main_road();
-    let ranked = |ranked_probability: f32| {
+    let unlikely = |ranked_probability: f32| {
         let change = |it: &mut HierarchicalParams| {
             it.grouping.ranked_probability = ranked_probability;
-            it.cluster.min_points = 100;
+            it.cluster.min_points = LEAST_POINTS;
         };
         let output = found(&mut detector(change), &cloud);
-        let scores: Vec<f32> = output.unlikely.iter().filter_map(|it| it.score).collect();
-        assert_eq!(scores.len(), output.unlikely.len(), "all have a score");
-        assert!(output.unlikely.iter().all(|it| it.class == DetectedClass::Vehicle));
-        (scores, output.detections)
+        (output.unlikely.iter().map(ranked).collect::<Vec<_>>(), output.detections)
     };
-    let (all, detections) = ranked(0.001);
-    assert!(all.iter().all(|it| *it <= 0.0));
-    let objects = detections.iter().filter(|it| it.class == DetectedClass::Object).count();
-    let n_dropped = all.len() - objects;
-    assert!(objects > 0 && n_dropped > 0, "{objects} objects, {n_dropped} too small");
+    let least_odds = HierarchicalParams::shipped().cluster.road_user_rule().least_odds;
+    let (all, detections) = unlikely(0.001);
+    assert!(all.iter().all(|(road_user, score, _)| *score <= least_odds.of(*road_user)));
+    let classes: BTreeSet<RoadUser> = all.iter().map(|it| it.0).collect();
+    assert_eq!(classes, BTreeSet::from(RoadUser::ALL));
+    let vehicles = all.iter().filter(|it| it.0 == RoadUser::Vehicle);
+    let are_small: BTreeSet<bool> = vehicles.map(|it| it.2 < LEAST_POINTS).collect();
+    assert_eq!(are_small, BTreeSet::from([false, true]), "one is too small, another is an object");
     // Log odds of a twentieth.
-    let (likely, same_detections) = ranked(0.05);
-    assert_eq!(likely, all.iter().copied().filter(|it| *it > (0.05_f32 / 0.95).ln()).collect::<Vec<_>>());
+    let (likely, same_detections) = unlikely(0.05);
+    assert_eq!(likely, all.iter().copied().filter(|it| it.1 > (0.05_f32 / 0.95).ln()).collect::<Vec<_>>());
     assert_eq!(same_detections, detections);
-    assert!(ranked(0.5).0.is_empty());
+    assert!(unlikely(0.5).0.is_empty());
 }
 
 #[test]
@@ -126,12 +138,16 @@ fn it_says_what_it_does_beside_grouping() {
         Rule::TrainedGroups,
         Rule::BestCut,
         Rule::SmallVehicles { min_points: 10 },
+        Rule::SizeBounds,
         Rule::Completion,
         Rule::WholeBoxes,
     ];
     assert_eq!(rules(|_| ()), all);
-    assert_eq!(rules(|it| it.boxes.whole = false), all[..4]);
-    assert_eq!(rules(|it| (it.completion.enabled, it.boxes.whole) = (false, false)), all[..3]);
+    assert_eq!(rules(|it| it.boxes.whole = false), all[..5]);
+    assert_eq!(rules(|it| (it.completion.enabled, it.boxes.whole) = (false, false)), all[..4]);
+    let without = |it: &Rule| *it != Rule::SizeBounds;
+    let others: Vec<Rule> = all.into_iter().filter(without).collect();
+    assert_eq!(rules(|it| it.vehicle_bounds.enabled = false), others);
 }
 
 #[test]
