@@ -160,6 +160,8 @@ def problem_of(kind, is_judged, image, expected):
         # At the first scan the missed ones fill the view, and the false ones are below it.
         has_text = any(n_near(OUTCOMES[it], 40) >= 20 for it in ("missed", "false"))
         return None if has_text else "no text of what is missed or false", set()
+    if kind == "TextDocument":
+        return None if n_drawn >= 400 else "no text", set()
     return None if is_colourful else "no colours in the legend" if kind == "2D" else "no lines", set()
 
 
@@ -171,7 +173,7 @@ def problems_of_views(path, picture):
     if os.environ.get("TURN_COLOURS"):
         expected = {view: {(b // 2, r, g): n for (r, g, b), n in colors.items()} for view, colors in expected.items()}
     # Where detectors are compared, each matches something, and one at least is wrong somewhere.
-    logs = {title.split(":")[0] for _, kind, title, _ in views if kind == "TextLog"}
+    logs = {title.split(":")[0] for _, kind, title, _ in views if kind in ("TextLog", "TextDocument")}
     detectors = logs or {title for _, _, title, origin in views if origin == "/world"}
     # A good detector has nothing wrong in the part of one scan that is seen. Of several one has.
     is_wrong_shown = len(detectors) < 2

@@ -61,9 +61,10 @@ pub fn boxes(boxes: impl IntoIterator<Item = OrientedBox>) -> Boxes3D {
         .with_fill_mode(FillMode::MajorWireframe)
 }
 
-/// Outlines of upright boxes, dashed where no side is seen, and for each of their lines the index of its box in `boxes`.
-pub fn partly_seen_boxes(
-    boxes: impl IntoIterator<Item = (OrientedBox, SeenSides)>,
+/// Outlines of upright boxes, dashed where no side is seen, and for each of their lines the index of its box in `boxes`. (A
+/// viewer shows the label of a line that is pointed at; of [`boxes`] it only shows how many components they have.)
+pub fn labelled_boxes(
+    boxes: impl IntoIterator<Item = (OrientedBox, Option<SeenSides>)>,
 ) -> (LineStrips3D, Vec<usize>) {
     let (mut lines, mut indices) = (Vec::new(), Vec::new());
     for (index, (drawn, seen)) in boxes.into_iter().enumerate() {

@@ -50,6 +50,8 @@ pub const COUNTS: &str = "series/counts";
 pub const FURTHER: &str = "series/further";
 /// Missed and false objects, and why, a line of text for each.
 pub const MISTAKES: &str = "mistakes";
+/// The same of the scan that is shown, as a text with links to their boxes.
+pub const MISTAKES_OF_SCAN: &str = "mistakes_of_scan";
 
 const DETECTORS: &str = "world/sensor/detectors";
 
@@ -137,6 +139,11 @@ impl ProductKind {
     }
 }
 
+/// The colour of the lines of one detector, in [`LEGEND_OUTCOMES`].
+pub fn legend_of_detector(name: &str) -> EntityPath {
+    below(LEGEND_OUTCOMES, &["detectors", name])
+}
+
 /// Everything of one detector.
 pub fn detector(name: &str) -> EntityPath {
     below(DETECTORS, &[name])
@@ -192,11 +199,6 @@ pub fn velocities(detector: &str, task: Task) -> EntityPath {
     below(DETECTORS, &[detector, "outcomes", task.name(), "velocities"])
 }
 
-/// The boxes of a layer of outcomes whose seen sides are known.
-pub fn partly_seen(boxes: &EntityPath) -> EntityPath {
-    product_part(boxes, "partly_seen")
-}
-
 /// The F-rates of all detectors for one task.
 pub fn f_rates(task: Task) -> EntityPath {
     below(F_RATE, &[task.name()])
@@ -230,6 +232,11 @@ pub fn count(detector: &str, task: Task, name: &str) -> EntityPath {
 /// Objects that one detector missed or found falsely in one task.
 pub fn mistakes(detector: &str, task: Task) -> EntityPath {
     below(MISTAKES, &[detector, task.name()])
+}
+
+/// Those of the scan that is shown, as links to their boxes.
+pub fn mistakes_of_scan(detector: &str, task: Task) -> EntityPath {
+    below(MISTAKES_OF_SCAN, &[detector, task.name()])
 }
 
 /// A series that only some recordings have.

@@ -137,7 +137,7 @@ pub fn class_descriptions() -> Vec<ClassDescription> {
 /// A named dot of a drawn legend.
 pub struct LegendDot {
     /// Its name.
-    pub name: &'static str,
+    pub name: String,
     /// Its colour.
     pub color: Rgb,
     /// Its position, in the units of [`VISIBLE_X`] and [`VISIBLE_Y`].
@@ -146,7 +146,7 @@ pub struct LegendDot {
 
 /// Left and right end of a drawn legend.
 pub const VISIBLE_X: [f64; 2] = [-1.5, 9.3];
-/// Top and bottom of a drawn legend.
+/// Top and bottom of a drawn legend of three rows.
 pub const VISIBLE_Y: [f64; 2] = [-1.6, 3.2];
 /// Where the name of the scan is written.
 pub const TITLE_POSITION: [f32; 2] = [3.9, -1.5];
@@ -173,6 +173,22 @@ pub fn outcome_dots(is_labelled: bool) -> Vec<LegendDot> {
     };
     let surfaces = [SurfaceClass::Short, SurfaceClass::Tall, SurfaceClass::Clutter, SurfaceClass::Ground];
     in_rows([boxes, surfaces.map(surface)])
+}
+
+/// Detectors in a row, below the outcomes and surfaces.
+const DETECTORS_IN_A_ROW: usize = 3;
+
+/// The dot of the detector at `detector_idx`, in the colour of its lines.
+pub fn detector_dot(name: &str, detector_idx: usize) -> LegendDot {
+    let (row, place) = (detector_idx / DETECTORS_IN_A_ROW, detector_idx % DETECTORS_IN_A_ROW);
+    let position = [0.3 + 3.6 * place as f32, STEP[1] * (row + 2) as f32];
+    LegendDot { name: name.to_owned(), color: palette::detector_color(detector_idx), position }
+}
+
+/// Top and bottom of the legend of outcomes, below which there are so many detectors.
+pub fn visible_y(n_detectors: usize) -> [f64; 2] {
+    let n_further_rows = n_detectors.div_ceil(DETECTORS_IN_A_ROW).saturating_sub(1);
+    [VISIBLE_Y[0], VISIBLE_Y[1] + f64::from(STEP[1]) * n_further_rows as f64]
 }
 
 /// Dots of lines that stages draw, and of scores.
@@ -206,7 +222,7 @@ fn in_rows<const N: usize>(rows: [[(&'static str, Rgb); 4]; N]) -> Vec<LegendDot
     for (row, y) in rows.into_iter().zip(0_u8..) {
         for ((name, color), x) in row.into_iter().zip(0_u8..) {
             let position = [STEP[0] * f32::from(x), STEP[1] * f32::from(y)];
-            dots.push(LegendDot { name, color, position });
+            dots.push(LegendDot { name: name.to_owned(), color, position });
         }
     }
     dots

@@ -1,12 +1,12 @@
 //! Logs the outcomes of all annotations and detections.
 
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 
-use detector::detection::SeenOfVehicle;
+use detector::detection::SeenSides;
 use detector::{Detection, Detections, OrientedBox};
-use evaluation::matching::mistake::{Mistake, MistakeKind};
+use evaluation::matching::mistake::{Judged, Mistake, MistakeKind};
 use evaluation::matching::outcome::{AnnotationOutcome, Assignment, DetectionOutcome};
-use re_sdk_types::archetypes::{Arrows3D, Points3D, TextLog};
+use re_sdk_types::archetypes::{Arrows3D, Points3D, TextDocument, TextLog};
 use re_sdk_types::components::{Radius, TextLogLevel};
 use reports::verdicts::change::ChangeKind;
 use reports::vocabulary::reason::Agreement;
@@ -22,14 +22,24 @@ use crate::{archetypes, entity_paths, legend, palette, recording};
 /// A box of a layer and its label.
 struct LabeledBox {
     layer: OutcomeLayer,
+    of: Judged,
     drawn: OrientedBox,
-    /// The part of it that is seen, if known.
-    seen: Option<SeenOfVehicle>,
+    /// The sides that are seen, if known.
+    seen: Option<SeenSides>,
     label: String,
 }
 
+/// What is drawn of the outcomes of a detector in a scan.
+#[derive(Debug, Default)]
+pub struct DrawnOutcomes {
+    /// Its entities.
+    pub entities: BTreeSet<EntityPath>,
+    /// Where each box is: its entity, and the first instance of it.
+    pub places: BTreeMap<Judged, (EntityPath, usize)>,
+}
+
 /// Logs the boxes of `assignment` at the current time, one batch per outcome that occurs, and a dot above each detection
-/// whose detector gives a class, in its colour; returns their entities.
+/// whose detector gives a class, in its colour.
 ///
 /// # Errors
 ///
@@ -40,38 +50,22 @@ pub fn log_outcomes(
     detector: &str,
     detections: &Detections,
     assignment: &Assignment,
-) -> Result<BTreeSet<EntityPath>, StreamError> {
+) -> Result<DrawnOutcomes, StreamError> {
     check_lengths(scan, detector, detections, assignment)?;
-    let mut logged = BTreeSet::new();
+    let mut logged = DrawnOutcomes::default();
     let mut boxes = annotation_boxes(scan, &assignment.annotations);
     boxes.extend(detection_boxes(detections, &assignment.detections));
     for layer in OutcomeLayer::ALL {
-        let of_layer = boxes.iter().filter(|it| it.layer == layer);
-        let (partly, others): (Vec<&LabeledBox>, Vec<_>) = of_layer.partition(|it| it.seen.is_some());
+        let of_layer: Vec<&LabeledBox> = boxes.iter().filter(|it| it.layer == layer).collect();
+        if of_layer.is_empty() {
+            continue;
+        }
         let path = entity_paths::outcome_layer(detector, assignment.task, layer);
-        let radius = Radius::new_ui_points(line_radius_px(layer));
-        // Labels would cover each other: they show when pointed at.
-        if !others.is_empty() {
-            let drawn = archetypes::boxes(others.iter().map(|it| it.drawn))
-                .with_class_ids([layer.class_id()])
-                .with_radii([radius])
-                .with_labels(others.iter().map(|it| it.label.as_str()))
-                .with_show_labels(false);
-            recording::log(stream, path.clone(), &drawn)?;
-            logged.insert(path.clone());
+        let lines = log_layer(stream, &path, layer, &of_layer)?;
+        for (line, of) in lines.into_iter().enumerate() {
+            logged.places.entry(of).or_insert((path.clone(), line));
         }
-        if !partly.is_empty() {
-            let with_sides = partly.iter().filter_map(|it| Some((it.drawn, it.seen?.sides)));
-            let (lines, indices) = archetypes::partly_seen_boxes(with_sides);
-            let drawn = lines
-                .with_class_ids([layer.class_id()])
-                .with_radii([radius])
-                .with_labels(indices.iter().map(|&it| partly[it].label.as_str()))
-                .with_show_labels(false);
-            let path = entity_paths::partly_seen(&path);
-            recording::log(stream, path.clone(), &drawn)?;
-            logged.insert(path);
-        }
+        logged.entities.insert(path);
     }
     let dots: Vec<([f32; 3], &str)> = detections.iter().filter_map(|it| class_dot(&it)).collect();
     if !dots.is_empty() {
@@ -82,10 +76,39 @@ pub fn log_outcomes(
             .with_labels(dots.iter().map(|(_, class)| *class))
             .with_show_labels(false);
         recording::log(stream, path.clone(), &drawn)?;
-        logged.insert(path);
+        logged.entities.insert(path);
     }
-    logged.extend(log_velocities(stream, detector, detections, assignment.task)?);
+    logged.entities.extend(log_velocities(stream, detector, detections, assignment.task)?);
     Ok(logged)
+}
+
+/// Logs the boxes of a layer. Returns what each of their lines is about; nothing if they are thin.
+fn log_layer(
+    stream: &RecordingStream,
+    path: &EntityPath,
+    layer: OutcomeLayer,
+    of_layer: &[&LabeledBox],
+) -> Result<Vec<Judged>, StreamError> {
+    let class_id = layer.class_id();
+    let radius = Radius::new_ui_points(line_radius_px(layer));
+    // Labels would cover each other: they show when pointed at.
+    if is_thin(layer) {
+        let drawn = archetypes::boxes(of_layer.iter().map(|it| it.drawn))
+            .with_class_ids([class_id])
+            .with_radii([radius])
+            .with_labels(of_layer.iter().map(|it| it.label.as_str()))
+            .with_show_labels(false);
+        recording::log(stream, path.clone(), &drawn)?;
+        return Ok(Vec::new());
+    }
+    let (lines, box_of_line) = archetypes::labelled_boxes(of_layer.iter().map(|it| (it.drawn, it.seen)));
+    let drawn = lines
+        .with_class_ids([class_id])
+        .with_radii([radius])
+        .with_labels(box_of_line.iter().map(|&it| of_layer[it].label.as_str()))
+        .with_show_labels(false);
+    recording::log(stream, path.clone(), &drawn)?;
+    Ok(box_of_line.into_iter().map(|it| of_layer[it].of).collect())
 }
 
 /// Logs an arrow for each detection with a velocity: where it comes to within a second. Returns their entity, if there are any.
@@ -143,7 +166,8 @@ fn check_lengths(
 }
 
 fn annotation_boxes(scan: &LabeledScan, outcomes: &[AnnotationOutcome]) -> Vec<LabeledBox> {
-    let labeled = scan.annotations.iter().zip(outcomes).filter_map(|(annotation, outcome)| {
+    let labeled = scan.annotations.iter().zip(outcomes).enumerate();
+    let labeled = labeled.filter_map(|(annotation_idx, (annotation, outcome))| {
         let (layer, reason) = match outcome {
             AnnotationOutcome::NotAsked => return None,
             AnnotationOutcome::Matched { .. } => (OutcomeLayer::Found, "found"),
@@ -151,7 +175,8 @@ fn annotation_boxes(scan: &LabeledScan, outcomes: &[AnnotationOutcome]) -> Vec<L
             AnnotationOutcome::Ignored(reason) => (OutcomeLayer::IgnoredAnnotation, reason.name()),
         };
         let drawn = drawn_box(annotation, &scan.cloud)?;
-        Some(LabeledBox { layer, drawn, seen: None, label: format!("{}: {reason}", annotation.label()) })
+        let label = format!("{}: {reason}", annotation.label());
+        Some(LabeledBox { layer, of: Judged::Annotation(annotation_idx), drawn, seen: None, label })
     });
     labeled.collect()
 }
@@ -168,7 +193,9 @@ fn detection_boxes(detections: &Detections, outcomes: &[DetectionOutcome]) -> Ve
             DetectionOutcome::Unknowable(Some(agreement)) => (agreement_layer(*agreement), agreement.name()),
         };
         let label = detection_label(detection_idx, &detection, reason);
-        Some(LabeledBox { layer, drawn: detection.bounding_box, seen: detection.box_details.seen, label })
+        let seen = detection.box_details.seen.map(|it| it.sides);
+        let (of, drawn) = (Judged::Detection(detection_idx), detection.bounding_box);
+        Some(LabeledBox { layer, of, drawn, seen, label })
     });
     labeled.collect()
 }
@@ -188,6 +215,11 @@ fn detection_label(detection_idx: usize, detection: &Detection<'_>, reason: &str
         if detection.box_details.seen.is_some_and(|it| !it.is_front_sure) { ", front unsure" } else { "" };
     let track = detection.box_details.track.map(|it| format!(", track {it}")).unwrap_or_default();
     format!("detection {detection_idx}, {class}{score}{track}{unsure}: {reason}")
+}
+
+/// Layers of boxes that nobody looks for. They are many, so they take as few bytes as possible.
+fn is_thin(layer: OutcomeLayer) -> bool {
+    line_radius_px(layer) < 1.0
 }
 
 fn line_radius_px(layer: OutcomeLayer) -> f32 {
@@ -225,7 +257,7 @@ pub fn log_changes(
     Ok(())
 }
 
-/// Logs a line for each of the `mistakes` of `detector` at the current time.
+/// Logs a line for each of the `mistakes` of `detector` at the current time, and all of them as links to the boxes at `places`.
 ///
 /// # Errors
 ///
@@ -235,17 +267,65 @@ pub fn log_mistakes(
     detector: &str,
     task: Task,
     mistakes: &[Mistake],
+    places: &BTreeMap<Judged, (EntityPath, usize)>,
 ) -> Result<(), StreamError> {
     for mistake in mistakes {
-        let (level, color) = match mistake.kind {
-            MistakeKind::Missed => ("MISSED", palette::MISSED),
-            MistakeKind::False => ("FALSE", palette::FALSE),
-            MistakeKind::Alone => ("ALONE", palette::ALONE),
-        };
+        let (word, color) = kind_of_mistake(mistake.kind);
         let line = TextLog::new(mistake.text.as_str())
-            .with_level(TextLogLevel::from(level))
+            .with_level(TextLogLevel::from(word.to_uppercase()))
             .with_color(legend::rgba(color));
         recording::log(stream, entity_paths::mistakes(detector, task), &line)?;
     }
-    Ok(())
+    let links = mistakes.iter().map(|it| linked(it, places.get(&it.of)));
+    let text: String = if mistakes.is_empty() { "None in this scan.".to_owned() } else { links.collect() };
+    recording::log(stream, entity_paths::mistakes_of_scan(detector, task), &TextDocument::from_markdown(text))
+}
+
+/// A kind of mistake in a word, and its colour.
+fn kind_of_mistake(kind: MistakeKind) -> (&'static str, palette::Rgb) {
+    match kind {
+        MistakeKind::Missed => ("missed", palette::MISSED),
+        MistakeKind::False => ("false", palette::FALSE),
+        MistakeKind::Alone => ("alone", palette::ALONE),
+    }
+}
+
+/// An item of a list in Markdown: `mistake` as a link that selects its box, if it has one.
+fn linked(mistake: &Mistake, place: Option<&(EntityPath, usize)>) -> String {
+    let (word, _) = kind_of_mistake(mistake.kind);
+    let is_markup = |it: char| it.is_ascii_punctuation() && !",.:;()%/+'-".contains(it);
+    let text: String =
+        mistake.text.chars().flat_map(|it| is_markup(it).then_some('\\').into_iter().chain([it])).collect();
+    match place {
+        Some((path, line)) => format!("- {word} [{text}](<recording:/{path}[#{line}]>)\n"),
+        None => format!("- {word} {text}\n"),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[track_caller]
+    fn check_linked(text: &str, place: Option<&(EntityPath, usize)>, expected: &str) {
+        let of = Judged::Detection(3);
+        let mistake = Mistake { kind: MistakeKind::False, of, n_points: 2, text: text.to_owned() };
+        assert_eq!(linked(&mistake, place), expected);
+    }
+
+    #[test]
+    fn a_mistake_is_a_link_to_its_box() {
+        let layer = entity_paths::outcome_layer("my detector", Task::Objects, OutcomeLayer::False);
+        check_linked(
+            "a part (2 points, 7 m)",
+            Some(&(layer, 8)),
+            "- false [a part (2 points, 7 m)](<recording://world/sensor/detectors/my\\ detector/outcomes/objects/false[#8]>)\n",
+        );
+        check_linked("without a box", None, "- false without a box\n");
+    }
+
+    #[test]
+    fn a_name_is_no_markup() {
+        check_linked("my_*class*](x)", None, "- false my\\_\\*class\\*\\](x)\n");
+    }
 }

@@ -35,6 +35,20 @@ pub fn log_legend(stream: &RecordingStream, is_labelled: bool) -> Result<(), Str
     recording::log_static(stream, entity_paths::LEGEND_OUTCOMES, &drawn_legend(&dots))
 }
 
+/// Logs the colour of the lines of the detector at `detector_idx` into the legend of outcomes.
+///
+/// # Errors
+///
+/// [`StreamError::Log`] if Rerun refuses.
+pub fn log_detector_legend(
+    stream: &RecordingStream,
+    detector: &str,
+    detector_idx: usize,
+) -> Result<(), StreamError> {
+    let dot = legend::detector_dot(detector, detector_idx);
+    recording::log_static(stream, entity_paths::legend_of_detector(detector), &drawn_legend(&[dot]))
+}
+
 /// Shows where the sensor is and which way the car drives.
 fn forward_arrow() -> Arrows3D {
     Arrows3D::from_vectors([[2.5_f32, 0.0, 0.0]])
@@ -60,6 +74,6 @@ fn drawn_legend(dots: &[LegendDot]) -> Points2D {
     Points2D::new(dots.iter().map(|dot| dot.position))
         .with_radii([Radius::new_ui_points(5.0)])
         .with_colors(dots.iter().map(|dot| legend::rgba(dot.color)))
-        .with_labels(dots.iter().map(|dot| dot.name))
+        .with_labels(dots.iter().map(|dot| dot.name.as_str()))
         .with_show_labels(true)
 }

@@ -12,7 +12,7 @@ use crate::plots::rate_time_plot::rate_time_plot;
 use crate::plots::series::key;
 use crate::plots::themed_panel::ThemedPanel;
 use crate::rows::scan_name::ScanName;
-use crate::tables::paper_figures::{PAPER_DETECTOR, PAPER_TABLES, Recordings};
+use crate::tables::paper_figures::{PAPER_DETECTOR, PAPER_TABLES, PaperScore, Recordings};
 use crate::verdicts::run_sentence::run_sentence;
 use crate::verdicts::task_ranking::{Speeds, TaskRanking, origin_of_run};
 use crate::vocabulary::metric::Metric;
@@ -121,10 +121,10 @@ fn figure(facts: &RunFacts, files: &mut Vec<Figure>) -> Markup {
         caption: html! {
             "Rates over " (together) " with 95 % intervals (bars" (facts.caveat(",")) "). "
             @if has_times {
-                "Further up is better, further left is faster (median). The line joins detectors that none is both better and \
-                 faster than. 100 ms: a turn of a sensor with ten turns a second. "
+                "Further up is better, further left is faster (median). Line: the Pareto front; no detector is both better \
+                 and faster than those on it. 100 ms: a turn of a sensor with ten turns a second. "
             }
-            @if has_paper { "Hollow diamonds: published results, on other scans, for orientation. " }
+            @if has_paper { "Hollow diamonds: what papers state, on other scans" @if has_times { " and computers" } ". " }
             @if origin != Origin::Recorded { "Scans: " (origin.name()) "." }
         },
         class: "wide",
@@ -200,7 +200,7 @@ fn plot(facts: &RunFacts, ranking: &TaskRanking) -> (ThemedPanel, bool) {
             detector_idx: facts.detector_idx(name),
             percent: ranked.and_then(|it| it.value).map(percent),
             interval_percent: ranked.and_then(|it| it.interval).map(|it| it.ends.map(percent)),
-            paper_percent: paper.as_ref().and_then(|paper| paper(name)),
+            published: paper.as_ref().and_then(|paper| paper(name)),
         };
         (row, median_ms(facts, &ranking.pool, name))
     };
@@ -221,15 +221,18 @@ fn plot(facts: &RunFacts, ranking: &TaskRanking) -> (ThemedPanel, bool) {
     (ranking_plot(&title, &rate, &rows), false)
 }
 
-/// F-rates in percent that the paper of a task states for a detector, on KITTI if the run is of KITTI alone, else on all
+/// What the paper of a task states for a detector, on KITTI if the run is of KITTI alone, else on all
 /// recordings; `None` if there is no such paper, its method did not run, or it states another rate.
-fn paper_rows<'a>(facts: &RunFacts, ranking: &'a TaskRanking) -> Option<impl Fn(&str) -> Option<f64> + 'a> {
+fn paper_rows<'a>(
+    facts: &RunFacts,
+    ranking: &'a TaskRanking,
+) -> Option<impl Fn(&str) -> Option<PaperScore> + 'a> {
     let table = PAPER_TABLES.iter().find(|it| it.task == ranking.task)?;
     let datasets = facts.manifest.datasets.iter().filter(|it| ranking.pool.datasets.contains(&it.id));
     let is_kitti = { datasets }.all(|it| it.format.contains("kitti"));
     let recordings = if is_kitti { Recordings::Kitti } else { Recordings::Both };
     let row = table.rows.iter().find(|it| it.recordings == recordings)?;
-    let states = move |detector: &str| Some(table.score_beside(row, detector)?.f_rate_percent);
+    let states = move |detector: &str| table.score_beside(row, detector);
     let is_stated =
         ranking.metric == Metric::FRate && ranking.detectors.iter().any(|it| it.detector == PAPER_DETECTOR);
     is_stated.then_some(states)

@@ -76,9 +76,9 @@ impl Mark {
     }
 
     /// A hollow diamond.
-    pub(crate) fn diamond(position: (f64, f64)) -> Self {
+    pub(crate) fn diamond(position: (f64, f64), color: RGBColor) -> Self {
         const PATHS: &[&[[i32; 2]]] = &[&[[0, -6], [5, 0], [0, 6], [-5, 0], [0, -6]]];
-        Self { positions: vec![position], shape: Shape::Paths(PATHS, BLACK.stroke_width(1)) }
+        Self { positions: vec![position], shape: Shape::Paths(PATHS, color.stroke_width(1)) }
     }
 
     /// Text, `aside_px` to the right of and below `position`.

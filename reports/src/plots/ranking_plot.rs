@@ -9,6 +9,7 @@ use super::marks::{LINE_WIDTH_PX, Mark, QUIET, SeriesMark, bold_style, text_styl
 use super::small_panel::SMALL_TEXT_PX;
 use super::themed_panel::{Arrangement, ThemedPanel, sheet};
 use crate::files::fixed_decimals::fixed_decimals;
+use crate::tables::paper_figures::PaperScore;
 
 /// One detector.
 #[derive(Debug, Clone, PartialEq)]
@@ -21,8 +22,8 @@ pub struct RankingRow {
     pub percent: Option<f64>,
     /// The 95 % interval of the rate.
     pub interval_percent: Option<[f64; 2]>,
-    /// The rate in percent that a paper states for its counterpart.
-    pub paper_percent: Option<f64>,
+    /// What a paper states for its counterpart.
+    pub published: Option<PaperScore>,
 }
 
 impl RankingRow {
@@ -123,7 +124,7 @@ fn marks(title: &str, rate: &str, rows: &[RankingRow], layout: &Layout) -> Vec<M
         marks.push(text((names_px - f64::from(NAME_GAP_PX), y_px), name, HPos::Right));
         marks.push(text((width_px - 2.0, y_px), row.value_text(), HPos::Right));
         let mark = SeriesMark(row.detector_idx);
-        marks.extend(row.paper_percent.map(|it| Mark::diamond((x_px(it), y_px))));
+        marks.extend(row.published.map(|it| Mark::diamond((x_px(it.f_rate_percent), y_px), mark.color())));
         marks.extend(
             row.interval_percent
                 .map(|ends| Mark::line(ends.map(|it| (x_px(it), y_px)), mark.color(), LINE_WIDTH_PX)),
@@ -143,7 +144,7 @@ const TICK_PERCENT: f64 = 10.0;
 pub(super) fn axis<'a>(rows: impl IntoIterator<Item = &'a RankingRow>) -> [f64; 2] {
     let values = rows.into_iter().flat_map(|it| {
         let [low, high] = it.interval_percent.map_or([None; 2], |ends| ends.map(Some));
-        [it.percent, it.paper_percent, low, high]
+        [it.percent, it.published.map(|it| it.f_rate_percent), low, high]
     });
     let [low, high] = values
         .flatten()
@@ -165,17 +166,19 @@ mod tests {
     use super::*;
     use crate::files::texts::check_holds;
 
+    const PUBLISHED: PaperScore = PaperScore { f_rate_percent: 83.0, fps: 28.0 };
+
     fn row(percent: Option<f64>) -> RankingRow {
         let interval_percent = percent.map(|it| [it - 3.0, it + 3.0]);
         let name = "grid".to_owned();
-        RankingRow { name, detector_idx: 0, percent, interval_percent, paper_percent: Some(83.0) }
+        RankingRow { name, detector_idx: 0, percent, interval_percent, published: Some(PUBLISHED) }
     }
 
     #[test]
     fn the_axis_is_whole_tens_around_all_that_is_drawn() {
         assert_eq!(axis(&[row(Some(61.0)), row(None)]), [50.0, 90.0]);
         assert_eq!(axis([]), [0.0, 100.0]);
-        let exact = RankingRow { interval_percent: None, paper_percent: None, ..row(Some(100.0)) };
+        let exact = RankingRow { interval_percent: None, published: None, ..row(Some(100.0)) };
         assert_eq!(axis(&[exact]), [90.0, 100.0]);
     }
 

@@ -8,6 +8,7 @@ use super::pareto_plot::pareto_front;
 use super::ranking_plot::{RankingRow, axis};
 use super::small_panel::SMALL_TEXT_PX;
 use super::themed_panel::ThemedPanel;
+use crate::tables::paper_figures::PaperScore;
 
 /// Width and height of a panel of which two are side by side on a page.
 const SIZE_PX: [u32; 2] = [430, 270];
@@ -24,7 +25,8 @@ const TURN_MS: f64 = 100.0;
 const ROOM: f64 = 1.5;
 
 /// A panel with the rate of every detector over its time in milliseconds; `title` names the task, `rate` the rate, and
-/// `caveat` says what the intervals lack. A line joins those that no other is both faster and better than. `None` if a detector has no time.
+/// `caveat` says what the intervals lack. A line joins those that no other is both faster and better than. What papers state
+/// stands where they state it. `None` if a detector has no time.
 pub fn rate_time_plot(
     title: &str,
     rate: &str,
@@ -36,7 +38,8 @@ pub fn rate_time_plot(
     if positions.is_empty() {
         return None;
     }
-    let times_ms = || timed.iter().map(|it| it.1);
+    let published = |(row, _): &(&RankingRow, f64)| Some(1e3 / row.published?.fps);
+    let times_ms = || timed.iter().map(|it| it.1).chain(timed.iter().filter_map(published));
     let shortest_ms = times_ms().fold(TURN_MS, f64::min) / ROOM;
     let longest_ms = times_ms().fold(TURN_MS, f64::max) * ROOM;
     let percent = axis(timed.iter().map(|it| it.0));
@@ -54,7 +57,13 @@ pub fn rate_time_plot(
         let mark = SeriesMark(row.detector_idx);
         let interval = row.interval_percent.map(|ends| ends.map(|it| (*ms, it)));
         marks.extend(interval.map(|it| Mark::line(it, mark.color(), LINE_WIDTH_PX)));
-        marks.extend(row.paper_percent.map(|it| Mark::diamond((*ms, it))));
+        if let Some(PaperScore { f_rate_percent, fps }) = row.published {
+            let position = (1e3 / fps, f_rate_percent);
+            marks.push(Mark::diamond(position, mark.color()));
+            let (side, aside_px) = if position.0 > TURN_MS { (HPos::Right, -9) } else { (HPos::Left, 9) };
+            let style = text_style(SMALL_TEXT_PX - 2, side, VPos::Center);
+            marks.push(Mark::text(position, [aside_px, 0], &row.name, style));
+        }
         marks.extend(row.percent.map(|it| mark.marker((*ms, it))));
     }
     let times = Scale::Logarithmic([shortest_ms, longest_ms]);
@@ -80,13 +89,14 @@ mod tests {
 
     fn row(name: &str, percent: Option<f64>) -> RankingRow {
         let interval_percent = percent.map(|it| [it - 3.0, it + 3.0]);
-        RankingRow { name: name.to_owned(), detector_idx: 0, percent, interval_percent, paper_percent: None }
+        RankingRow { name: name.to_owned(), detector_idx: 0, percent, interval_percent, published: None }
     }
 
     #[test]
     fn rates_stand_over_times_beside_the_time_of_a_turn() {
+        let published = Some(PaperScore { f_rate_percent: 83.0, fps: 2.0 });
         let rows = [
-            (row("grid", Some(61.04)), Some(12.0)),
+            (RankingRow { published, ..row("grid", Some(61.04)) }, Some(12.0)),
             (row("tree", None), Some(30.0)),
             (row("pca", Some(50.0)), Some(240.0)),
         ];
@@ -96,7 +106,10 @@ mod tests {
             "Task objects: F-rate (%) over time a scan: grid 61.0 % in 12.0 ms, tree undefined in 30.0 ms, \
              pca 50.0 % in 240.0 ms"
         );
-        check_holds(&panel.inline(), &[">100 ms</text>", "time a scan (ms)", "F-rate (%)", ">10</text>"]);
+        check_holds(
+            &panel.inline(),
+            &[">100 ms</text>", "time a scan (ms)", "F-rate (%)", ">10</text>", ">grid</text>"],
+        );
     }
 
     #[test]

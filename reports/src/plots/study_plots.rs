@@ -85,6 +85,6 @@ fn row(name: String, colour_idx: usize, rate: Option<f64>, within: Option<[f64; 
         detector_idx: colour_idx,
         percent: rate.map(|it| 100.0 * it),
         interval_percent: within.map(|it| it.map(|end| 100.0 * end)),
-        paper_percent: None,
+        published: None,
     }
 }

@@ -15,10 +15,21 @@ use crate::matching::point_overlap::PointOverlap;
 pub struct Mistake {
     /// Which kind.
     pub kind: MistakeKind,
+    /// What it is about.
+    pub of: Judged,
     /// Points of the annotation or the detection.
     pub n_points: usize,
     /// Which object, and why.
     pub text: String,
+}
+
+/// What is judged in a scan, by its index.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Judged {
+    /// An annotation.
+    Annotation(usize),
+    /// A detection.
+    Detection(usize),
 }
 
 /// Kinds of mistakes, and of what may be one.
@@ -66,7 +77,8 @@ impl<'a> Evidence<'a> {
             let why = self.why_missed(assignment, annotation_idx, *reason);
             let (name, range) = (self.name(annotation_idx), self.range(annotation_idx));
             let text = format!("{name}: {why} ({n_points} points, {range})");
-            Some(Mistake { kind: MistakeKind::Missed, n_points, text })
+            let of = Judged::Annotation(annotation_idx);
+            Some(Mistake { kind: MistakeKind::Missed, of, n_points, text })
         });
         let of_detections =
             assignment.detections.iter().enumerate().filter_map(|(detection_idx, outcome)| {
@@ -87,7 +99,8 @@ impl<'a> Evidence<'a> {
                 let text = format!(
                     "detection {detection_idx}: {why} ({class}{score}, {n_points} points, {range_m:.0} m)"
                 );
-                Some(Mistake { kind, n_points, text })
+                let of = Judged::Detection(detection_idx);
+                Some(Mistake { kind, of, n_points, text })
             });
         let mut mistakes: Vec<Mistake> = missed.chain(of_detections).collect();
         mistakes.sort_by_key(|it| (it.kind, std::cmp::Reverse(it.n_points)));

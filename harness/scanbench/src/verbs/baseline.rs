@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use jiff::Timestamp;
-use reports::run_folder::command_line::shell_word;
+use reports::run_folder::command_line::{command_again, shell_word};
 use reports::run_folder::run_archive::RunArchive;
 use reports::tables::formats::format::Format as _;
 use reports::tables::verdict::brief::{Brief, Purpose};
@@ -46,10 +46,14 @@ pub fn baseline_init(arguments: &BaselineInitArgs) -> Result<(), Failure> {
     print_result(format!("{}\n{}", next_steps(folder, &arguments.run), losses.collect::<String>()).trim_end())
 }
 
-/// Verdict on `run`, which lies in `path`, against the accepted run in the baseline `directory`; `None` if there is nothing
-/// that it can be compared with.
-fn judged_by(directory: &Path, run: &RunArchive, path: &Path) -> Result<Option<Judged>, Failure> {
-    let Ok(before) = RunArchive::read(&directory.join(ACCEPTED_RUN)) else { return Ok(None) };
+/// Verdict on `run`, which lies in `path`, against the run `before`, which is accepted in the baseline `directory`; `None` if
+/// they cannot be compared.
+fn judged_by(
+    directory: &Path,
+    before: RunArchive,
+    run: &RunArchive,
+    path: &Path,
+) -> Result<Option<Judged>, Failure> {
     let [before, run] = with_classes_of_both([before, run.clone()]);
     let tolerances = tolerances(directory, None, &before)?;
     let streams = gated_streams(&tolerances, [(&before, &directory.join(ACCEPTED_RUN)), (&run, path)])?;
@@ -103,10 +107,14 @@ pub fn baseline_accept(arguments: &AcceptArgs) -> Result<(), Failure> {
     let run = open_run(&arguments.run)?;
     let directory = &arguments.baseline.baseline;
     refuse_uncommitted(run.manifest.git.as_ref())?;
-    if let Some(judged) = judged_by(directory, &run, &arguments.run)? {
-        print_text(&judged.text)?;
-        if judged.n_worse > 0 && !arguments.worse {
-            return Err(WorseThanAccepted { n_worse: judged.n_worse }.into());
+    let mut changed_command = None;
+    if let Ok(before) = RunArchive::read(&directory.join(ACCEPTED_RUN)) {
+        changed_command = command_if_changed(&before, &run);
+        if let Some(judged) = judged_by(directory, before, &run, &arguments.run)? {
+            print_text(&judged.text)?;
+            if judged.n_worse > 0 && !arguments.worse {
+                return Err(WorseThanAccepted { n_worse: judged.n_worse }.into());
+            }
         }
     }
     let acceptance = Acceptance {
@@ -120,5 +128,16 @@ pub fn baseline_accept(arguments: &AcceptArgs) -> Result<(), Failure> {
         add_to_history(history, &run, &arguments.run, arguments.link.as_deref())?;
     }
     print_diagnostic(format_args!("Baseline: {}", directory.display()));
+    if let Some(command) = changed_command {
+        print_diagnostic(format_args!(
+            "The command of the run has changed. Where the one before stands, as in a workflow, it has to be this now:\n  {command}"
+        ));
+    }
     Ok(())
+}
+
+/// The command that makes `run` again, if the one accepted before was made by another.
+fn command_if_changed(before: &RunArchive, run: &RunArchive) -> Option<String> {
+    let [before, run] = [before, run].map(|it| command_again(&it.manifest.argv, "runs/gate"));
+    (before != run).then_some(run)
 }

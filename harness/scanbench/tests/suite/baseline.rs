@@ -60,7 +60,10 @@ fn a_worse_run_is_accepted_only_by_name() {
     ended.check_stderr(&["--worse accepts the run all the same"]);
     assert_eq!(workplace.read("golden/SCORES.md"), history, "nothing was accepted");
     check_gate(&workplace, "first", 0, "PASSED\n");
-    workplace.succeed(&(&accept, "--worse")).check_stdout(&[": worse\n", ". fewer is more."]);
+    let ended = workplace.succeed(&(&accept, "--worse"));
+    ended.check_stdout(&[": worse\n", ". fewer is more."]);
+    // A workflow still has the command without it.
+    ended.check_stderr(&["The command of the run has changed. ", " -o runs/gate\n"]);
     check_gate(&workplace, "worse", 0, "PASSED\n");
     // The way back is a gain, and needs no word.
     let back = ["baseline", "accept", "first", "-b", "golden", "--why", "more is more"];

@@ -8,7 +8,7 @@ use re_sdk_types::datatypes::{Range1D, Range2D};
 use reports::vocabulary::task::Task;
 use rerun::EntityPath;
 use rerun::blueprint::{
-    ContainerLike, Horizontal, Spatial2DView, Tabs, TextLogView, TimeSeriesView, Vertical,
+    ContainerLike, Horizontal, Spatial2DView, Tabs, TextDocumentView, TextLogView, TimeSeriesView, Vertical,
 };
 
 use super::RecordingLayout;
@@ -40,7 +40,7 @@ pub fn compare(layout: &RecordingLayout<'_>, properties: &mut Vec<Property>) -> 
     }
     let scenes = Horizontal::new(scenes).with_column_shares(shares).into();
     let below = bottom_row(layout, properties);
-    Vertical::new([scenes, below]).with_row_shares(vec![2.9, 1.0]).with_name("compare detectors").into()
+    Vertical::new([scenes, below]).with_row_shares(vec![2.6, 1.0]).with_name("compare detectors").into()
 }
 
 /// Two runs side by side, and below them what changed, in words.
@@ -53,7 +53,7 @@ pub fn changes(layout: &RecordingLayout<'_>, properties: &mut Vec<Property>) -> 
     let lists = layout.detectors.iter().rev().take(1);
     let mut below: Vec<ContainerLike> =
         lists.map(|it| lines("pointed at, in words", &it.detector, layout, properties)).collect();
-    below.push(drawn_legend(entity_paths::LEGEND_OUTCOMES, properties));
+    below.push(drawn_legend(layout, entity_paths::LEGEND_OUTCOMES, properties));
     let below = Horizontal::new(below).with_column_shares(vec![2.6, 1.0]);
     let rows: [ContainerLike; 2] = [Horizontal::new(scenes).into(), below.into()];
     Vertical::new(rows).with_row_shares(vec![2.9, 1.0]).with_name("side by side").into()
@@ -107,21 +107,19 @@ fn detector_tabs(
 /// The mistakes of each detector in words, as wide as sentences need; F-rates, and the legend.
 fn bottom_row(layout: &RecordingLayout<'_>, properties: &mut Vec<Property>) -> ContainerLike {
     let detectors = || layout.detectors.iter().map(|it| it.detector.as_str());
-    let mut words: Vec<ContainerLike> = detectors().map(|it| mistakes(layout, it, properties)).collect();
-    for detector in detectors().filter(|_| layout.is_labelled) {
-        words.extend(numbers(layout, detector, properties));
-    }
-    let (mut columns, mut shares) = (vec![Tabs::new(words).into()], vec![2.4]);
+    let of_detectors: Vec<ContainerLike> = detectors().map(|it| in_words(layout, it, properties)).collect();
+    let (mut columns, mut shares) = (vec![Tabs::new(of_detectors).into()], vec![2.4]);
     if !layout.axis.is_of_a_sweep() {
         columns.push(rates(layout, properties));
         shares.push(1.0);
     }
-    columns.push(drawn_legend(entity_paths::LEGEND_OUTCOMES, properties));
+    columns.push(drawn_legend(layout, entity_paths::LEGEND_OUTCOMES, properties));
     shares.push(1.0);
     Horizontal::new(columns).with_column_shares(shares).into()
 }
 
-/// F-rates over the axis, or numbers of detections where nothing is labelled; and times.
+/// F-rates over the axis, or numbers of detections where nothing is labelled; and times. The colours of the lines are in the
+/// drawn legend, since plots are small.
 fn rates(layout: &RecordingLayout<'_>, properties: &mut Vec<Property>) -> ContainerLike {
     let mut f_rate_view = |task: Task| {
         let (title, origin) = if layout.is_labelled {
@@ -134,13 +132,16 @@ fn rates(layout: &RecordingLayout<'_>, properties: &mut Vec<Property>) -> Contai
         if layout.is_labelled {
             add(properties, &view, "ScalarAxis", ScalarAxis::new().with_range([0.0, 1.0]));
         }
-        add(properties, &view, "PlotLegend", PlotLegend::new().with_corner(Corner2D::LeftBottom));
+        add(properties, &view, "PlotLegend", PlotLegend::new().with_visible(false));
         view
     };
     let others = Task::ALL.into_iter().filter(|task| *task != layout.opening.shown_task);
     let mut tabs: Vec<ContainerLike> =
         std::iter::once(layout.opening.shown_task).chain(others).map(&mut f_rate_view).collect();
-    tabs.push(TimeSeriesView::new("latency in ms").with_origin(entity_paths::LATENCY).into());
+    let latency: ContainerLike =
+        TimeSeriesView::new("latency in ms").with_origin(entity_paths::LATENCY).into();
+    add(properties, &latency, "PlotLegend", PlotLegend::new().with_visible(false));
+    tabs.push(latency);
     Tabs::new(tabs).into()
 }
 
@@ -166,27 +167,42 @@ fn numbers(
     detector: &str,
     properties: &mut Vec<Property>,
 ) -> [ContainerLike; 2] {
-    let mut series = |name: String, origin| {
+    let mut series = |name, origin| {
         let view: ContainerLike = TimeSeriesView::new(name).with_origin(origin).into();
         add(properties, &view, "PlotLegend", PlotLegend::new().with_corner(Corner2D::LeftTop));
         view
     };
     let counts = entity_paths::counts(detector, layout.opening.shown_task);
     let stage_times = entity_paths::stage_times(detector);
-    [
-        series(format!("{detector}: counts"), counts),
-        series(format!("{detector}: stage times in ms"), stage_times),
-    ]
+    [series("counts", counts), series("stage times in ms", stage_times)]
 }
 
-/// Mistakes of a detector in the scan, in words.
+/// The mistakes of a detector in words: of the scan that is shown as links to its boxes, and of all scans; then its numbers.
+fn in_words(layout: &RecordingLayout<'_>, detector: &str, properties: &mut Vec<Property>) -> ContainerLike {
+    let of_scan = entity_paths::mistakes_of_scan(detector, layout.opening.shown_task);
+    let mut tabs: Vec<ContainerLike> = vec![
+        TextDocumentView::new(format!("{detector}: {} in this scan", what_is_listed(layout)))
+            .with_origin(of_scan)
+            .into(),
+        mistakes(layout, detector, properties),
+    ];
+    if layout.is_labelled {
+        tabs.extend(numbers(layout, detector, properties));
+    }
+    Tabs::new(tabs).with_name(detector).into()
+}
+
+fn what_is_listed(layout: &RecordingLayout<'_>) -> &'static str {
+    if layout.is_labelled { "missed and false" } else { "what no other detector has" }
+}
+
+/// Mistakes of a detector in all scans, in words.
 pub fn mistakes(
     layout: &RecordingLayout<'_>,
     detector: &str,
     properties: &mut Vec<Property>,
 ) -> ContainerLike {
-    let what = if layout.is_labelled { "missed and false" } else { "what no other detector has" };
-    lines(&format!("{detector}: {what}"), detector, layout, properties)
+    lines(&format!("{}, scan by scan", what_is_listed(layout)), detector, layout, properties)
 }
 
 /// The lines that a detector has in the shown task, as a list with this title.
@@ -206,14 +222,19 @@ fn lines(
     view
 }
 
-/// Legend of the colours: of a scene, with the name of the scan, or of the stages.
-pub fn drawn_legend(origin: &'static str, properties: &mut Vec<Property>) -> ContainerLike {
+/// Legend of the colours: of a scene and of the lines of detectors, with the name of the scan; or of the stages.
+pub fn drawn_legend(
+    layout: &RecordingLayout<'_>,
+    origin: &'static str,
+    properties: &mut Vec<Property>,
+) -> ContainerLike {
     let with_scan = origin == entity_paths::LEGEND_OUTCOMES;
     let mut contents = vec![format!("+ /{origin}/**")];
     contents.extend(with_scan.then(|| format!("+ /{}", entity_paths::LEGEND_SCAN)));
     let name = if with_scan { "scan and legend" } else { "legend of stages" };
     let view: ContainerLike = Spatial2DView::new(name).with_origin(origin).with_contents(contents).into();
-    let bounds = Range2D { x_range: Range1D(legend::VISIBLE_X), y_range: Range1D(legend::VISIBLE_Y) };
+    let visible_y = if with_scan { legend::visible_y(layout.detectors.len()) } else { legend::VISIBLE_Y };
+    let bounds = Range2D { x_range: Range1D(legend::VISIBLE_X), y_range: Range1D(visible_y) };
     add(properties, &view, "VisualBounds2D", VisualBounds2D::new(bounds));
     add(properties, &view, "Background", plain_background());
     view

@@ -55,7 +55,7 @@ pub fn stages(
     let times: ContainerLike =
         TimeSeriesView::new("stage times in ms").with_origin(entity_paths::stage_times(name)).into();
     let legends = [entity_paths::LEGEND_STAGES, entity_paths::LEGEND_OUTCOMES]
-        .map(|origin| drawn_legend(origin, properties));
+        .map(|origin| drawn_legend(layout, origin, properties));
     let below = [mistakes(layout, name, properties), times].into_iter().chain(legends);
     Vertical::new([grid.into(), Horizontal::new(below).into()])
         .with_row_shares(vec![4.0, 1.0])

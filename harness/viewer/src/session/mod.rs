@@ -20,7 +20,7 @@ use super::log_series::{
     log_counts, log_f_rate, log_further, log_further_lines, log_latency, log_lines, log_lines_without_labels,
     log_number_of_detections, log_stage_times,
 };
-use super::log_static::{log_legend, log_static};
+use super::log_static::{log_detector_legend, log_legend, log_static};
 use super::product_views::{DetectorOutline, DetectorViews};
 use super::recording;
 use super::recording_axis::RecordingAxis;
@@ -107,7 +107,9 @@ impl Stream {
         let layers = Layers::begin(target, &options.name, &viewer, detectors)?;
         log_static(layers.scans())?;
         for (index, name) in detectors.iter().enumerate() {
-            log_lines(layers.of_detector(index), name, layers.joined.len() + index)?;
+            let detector_idx = layers.joined.len() + index;
+            log_lines(layers.of_detector(index), name, detector_idx)?;
+            log_detector_legend(layers.of_detector(index), name, detector_idx)?;
         }
         log_further_lines(layers.scans(), &axis.further_series)?;
         let detectors = detectors
@@ -233,8 +235,9 @@ impl Stream {
         on_screen.extend(log_scores(stream, view.name, &view.output.detections)?);
         for task in view.tasks {
             let assignment = task.assignment;
-            on_screen.extend(log_outcomes(stream, scan, view.name, &view.output.detections, assignment)?);
-            log_mistakes(stream, view.name, assignment.task, &task.mistakes)?;
+            let drawn = log_outcomes(stream, scan, view.name, &view.output.detections, assignment)?;
+            on_screen.extend(drawn.entities);
+            log_mistakes(stream, view.name, assignment.task, &task.mistakes, &drawn.places)?;
             if is_labelled {
                 log_counts(stream, view.name, assignment, task.false_detections)?;
                 log_f_rate(stream, view.name, assignment.task, task.f_rate_so_far)?;

@@ -11,7 +11,7 @@ use detector::detector::StageTime;
 use detector::stage_product::{LinkFate, ObjectCell, ProductCell, ProductLink, ProductSphere, Shape};
 use detector::surface_class::SurfaceClass;
 use detector::{BoxDetails, DetectedClass, Detection, Detections, DetectorOutput, OrientedBox, StageProduct};
-use evaluation::matching::mistake::{Mistake, MistakeKind};
+use evaluation::matching::mistake::{Judged, Mistake, MistakeKind};
 use evaluation::matching::outcome::{AnnotationOutcome, Assignment, DetectionOutcome};
 use evaluation::metrics::counts::FalseDetections;
 use evaluation::run::scan_recorder::Mark;
@@ -140,11 +140,14 @@ pub fn log_detector(
     products: &[StageProduct],
     assignments: &[Assignment],
 ) -> Result<(), StreamError> {
-    let mistake = |kind, text: &str| Mistake { kind, n_points: 2, text: text.to_owned() };
+    let mistake = |kind, of, text: &str| Mistake { kind, of, n_points: 2, text: text.to_owned() };
     let view = |assignment| TaskView {
         assignment,
         false_detections: FalseDetections::Known,
-        mistakes: vec![mistake(MistakeKind::Missed, "split"), mistake(MistakeKind::False, "a part")],
+        mistakes: vec![
+            mistake(MistakeKind::Missed, Judged::Annotation(1), "split"),
+            mistake(MistakeKind::False, Judged::Detection(1), "a part"),
+        ],
         f_rate_so_far: (assignment.task == Task::Objects).then_some(0.5),
     };
     let tasks: Vec<TaskView<'_>> = assignments.iter().map(view).collect();

@@ -68,11 +68,10 @@ fn every_product_that_is_no_label_has_an_entity() {
 #[test]
 fn outcomes_that_a_scan_no_longer_has_are_cleared() {
     check_n_logged(&[
-        ("/world/sensor/detectors/grid/outcomes/objects/matched Boxes3D:half_sizes", 2),
+        ("/world/sensor/detectors/grid/outcomes/objects/matched LineStrips3D:strips", 2),
         ("/world/sensor/detectors/grid/outcomes/objects/matched Clear:is_recursive", 1),
-        ("/world/sensor/detectors/grid/outcomes/objects/missed Boxes3D:half_sizes", 2),
+        ("/world/sensor/detectors/grid/outcomes/objects/missed LineStrips3D:strips", 2),
         // The seen sides of the false detection are known.
-        ("/world/sensor/detectors/grid/outcomes/objects/false/partly_seen LineStrips3D:strips", 2),
         ("/world/sensor/detectors/grid/outcomes/vehicles/missed Clear:is_recursive", 1),
     ]);
 }
@@ -129,6 +128,7 @@ fn poses_marks_counts_and_mistakes_are_logged_scan_by_scan() {
         // The last scan is judged for no task; each other one has two mistakes.
         ("/mistakes/grid/objects TextLog:text", 4),
         ("/mistakes/kd-tree/vehicles TextLog:text", 4),
+        ("/mistakes_of_scan/grid/objects TextDocument:text", 2),
         ("/series/counts/grid/objects/found Scalars:scalars", 2),
         ("/series/counts/grid/objects/missed Scalars:scalars", 2),
         ("/series/counts/kd-tree/vehicles/false Scalars:scalars", 2),
