@@ -257,7 +257,7 @@ pub fn log_changes(
     Ok(())
 }
 
-/// Logs a line for each of the `mistakes` of `detector` at the current time, and all of them as links to the boxes at `places`.
+/// Logs a line for each of the `mistakes` of `detector` at the current time.
 ///
 /// # Errors
 ///
@@ -267,7 +267,6 @@ pub fn log_mistakes(
     detector: &str,
     task: Task,
     mistakes: &[Mistake],
-    places: &BTreeMap<Judged, (EntityPath, usize)>,
 ) -> Result<(), StreamError> {
     for mistake in mistakes {
         let (word, color) = kind_of_mistake(mistake.kind);
@@ -276,6 +275,21 @@ pub fn log_mistakes(
             .with_color(legend::rgba(color));
         recording::log(stream, entity_paths::mistakes(detector, task), &line)?;
     }
+    Ok(())
+}
+
+/// Logs the `mistakes` of `detector` as the text of the scan at the current time, with links to the boxes at `places`.
+///
+/// # Errors
+///
+/// [`StreamError::Log`] if Rerun refuses.
+pub fn log_mistakes_of_scan(
+    stream: &RecordingStream,
+    detector: &str,
+    task: Task,
+    mistakes: &[Mistake],
+    places: &BTreeMap<Judged, (EntityPath, usize)>,
+) -> Result<(), StreamError> {
     let links = mistakes.iter().map(|it| linked(it, places.get(&it.of)));
     let text: String = if mistakes.is_empty() { "None in this scan.".to_owned() } else { links.collect() };
     recording::log(stream, entity_paths::mistakes_of_scan(detector, task), &TextDocument::from_markdown(text))

@@ -42,7 +42,7 @@ impl<'a> Made<'a> {
             }
             details {
                 summary { "Cite it" }
-                p { "The address is that of where you have the program from." }
+                p { "Put the address of your copy of the program in." }
                 (commands(&self.bibtex(), "An entry for BibTeX"))
             }
         }

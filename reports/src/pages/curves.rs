@@ -10,6 +10,8 @@ use crate::plots::recall_plot::recall_plot;
 use crate::plots::reliability_plot::{LEAST_IN_BIN, reliability_plot};
 use crate::plots::series::key_of;
 use crate::plots::themed_panel::ThemedPanel;
+use crate::verdicts::task_ranking::origin_of_run;
+use crate::vocabulary::origin::Origin;
 
 /// The section of curves; `None` if no detection has a score, or false detections are unknown.
 pub(super) fn curves(facts: &RunFacts, files: &mut Vec<Figure>) -> Option<Section> {
@@ -90,9 +92,11 @@ fn errors_of(of_detectors: &[(String, Vec<CalibrationBin>)]) -> String {
     of_detectors.iter().filter_map(error).collect::<Vec<_>>().join(", ")
 }
 
-/// Title of a panel: what is detected, on which data set, and whether it is simulated.
+/// Title of a panel: what is detected, on which data set, and whether it is simulated, where others are not.
 fn title(facts: &RunFacts, curves: &DatasetCurves) -> String {
-    let is_simulated = facts.manifest.datasets.iter().any(|it| it.id == curves.dataset && it.simulated);
+    let is_mixed = origin_of_run(&facts.manifest) == Origin::PartlySimulated;
+    let is_simulated =
+        is_mixed && facts.manifest.datasets.iter().any(|it| it.id == curves.dataset && it.simulated);
     let simulated = if is_simulated { " (simulated)" } else { "" };
     format!("{}, {}{simulated}", curves.task, curves.dataset)
 }

@@ -51,8 +51,8 @@ fn losses(facts: &RunFacts, errors: &ErrorTable<'_>, stem_end: &str, files: &mut
         caption: html! {
             "Where objects are lost: each bar begins where those before it leave off. "
             @if is_first {
-                "An object is lost at a stage if more than half of its points are in no detection, and most of these were lost \
-                 there; only detectors that leave their stages behind say so."
+                "A miss counts for the stage that dropped most of its points, if more than half of them are in no detection. Only \
+                 detectors that record their stages have such bars."
             }
         },
         class: "",

@@ -58,6 +58,7 @@ pub(super) fn verdict(facts: &RunFacts, files: &mut Vec<Figure>) -> Section {
         @if !facts.rankings.is_empty() {
             (figure(facts, files))
             @for pool in &facts.pools { (ranked_detectors(facts, &pool.pool)) }
+            (what_they_are(facts))
         }
     };
     Section::without_heading("Verdict", content)
@@ -172,6 +173,38 @@ fn ranked_detectors(facts: &RunFacts, pool: &Pool) -> Markup {
         }
     }
 }
+
+/// The built-in detectors of the run, in a line each.
+fn what_they_are(facts: &RunFacts) -> Markup {
+    let known: Vec<(&str, &str)> =
+        BUILT_IN.iter().filter(|it| facts.detectors().contains(&it.0)).copied().collect();
+    html! {
+        @if !known.is_empty() {
+            details {
+                summary { "What these detectors are" }
+                dl { @for (name, what) in known { div { dt { (name) } dd { (what) } } } }
+            }
+        }
+    }
+}
+
+/// What the built-in detectors are.
+const BUILT_IN: [(&str, &str); 8] = [
+    (
+        "hierarchical",
+        "the project's own: the best cut of groups of dense grid cells; trained trees choose and classify them",
+    ),
+    (
+        "paper",
+        "the hierarchical grid of Börcs, Nagy and Benedek (2014): merged and separated cells, an SVM for vehicles",
+    ),
+    ("simple-grid", "hierarchical with one level of cells"),
+    ("kd-tree", "a rival in the papers: connected components over a kd-tree; trained trees classify them"),
+    ("kd-tree-same-walls", "kd-tree without the walls that paper removes"),
+    ("kd-tree-trained", "components over a kd-tree, with a tolerance for each sensor and trees of its own"),
+    ("kd-tree-tree", "the best cut of components over a kd-tree with ten tolerances; trees of its own"),
+    ("pca", "a rival in the papers: clusters of plain cells, boxes by principal axes, an SVM for vehicles"),
+];
 
 fn about_failure(failed: &FailedDetector) -> String {
     let FailedDetector { detector, first: (scan, reason), n_failed, n_scans } = failed;

@@ -39,10 +39,19 @@ pub(super) fn parameters(manifest: &Manifest) -> Section {
             ),
         ),
         ("warm-up", format!("{} detections for each detector", manifest.n_warmup_detections)),
-        ("repetitions", format!("{} of each detection; the first one counts", manifest.n_repeats)),
+        (
+            "repetitions",
+            match manifest.n_repeats {
+                1 => "each scan is timed once".to_owned(),
+                n => format!("each scan is timed {n} times; the first time counts"),
+            },
+        ),
     ];
     let content = html! {
-        dl { @for (name, value) in facts.into_iter().chain(made_in) { div { dt { (name) } dd { (value) } } } }
+        details {
+            summary { "How it was run and judged" }
+            dl { @for (name, value) in facts.into_iter().chain(made_in) { div { dt { (name) } dd { (value) } } } }
+        }
         details {
             summary { "manifest.json, with every parameter" }
             (commands(shown.to_json().trim_end(), "manifest.json"))

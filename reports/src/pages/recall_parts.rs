@@ -18,7 +18,10 @@ pub(super) fn recall_parts(facts: &RunFacts) -> Option<Section> {
     let grids: Vec<(&PoolFacts, Grid)> =
         facts.pools.iter().filter_map(|it| Some((it, grid(facts, it.pool.extent.name())?))).collect();
     let content = html! {
-        p.about { "Recall of objects in %, with the number of annotations that count. False detections belong to no class." }
+        p.about {
+            "Recall of objects in %, whichever class a detection has. n: annotations that count, of which there are "
+            (n_counted_and_ignored(facts)) ". (A false detection has no true class.)"
+        }
         @for (pool, grid) in &grids {
             @let [_, on] = facts.of_pool(&pool.pool);
             @if !on.is_empty() { h3 { (on.trim_start_matches(", ")) } }
@@ -57,7 +60,7 @@ fn grid(facts: &RunFacts, extent: &str) -> Option<Grid> {
             severity(*a).cmp(&severity(*b)).then(a.cmp(b))
         })
     });
-    let mut columns = vec![Column::left("part"), Column::number("NO")];
+    let mut columns = vec![Column::left("part"), Column::number("n")];
     columns.extend(detectors.iter().map(|it| Column::number((*it).to_owned())));
     let lines = slices.iter().map(|&slice| {
         let cells =
@@ -67,6 +70,26 @@ fn grid(facts: &RunFacts, extent: &str) -> Option<Grid> {
     });
     let lines: Vec<Line> = lines.collect();
     (!lines.is_empty()).then_some(Grid { columns, lines })
+}
+
+/// How many annotations count, and why others do not.
+fn n_counted_and_ignored(facts: &RunFacts) -> String {
+    let detector = facts.manifest.detectors.first();
+    let sum = |metric: Metric| -> f64 {
+        let of_pool = |it: &PoolFacts| {
+            let subject = Subject::of_all(it.pool.extent.name(), Task::Objects, &detector?.name);
+            facts.report.row(&subject, &metric)?.value()
+        };
+        facts.pools.iter().filter_map(of_pool).sum()
+    };
+    let ignored = &facts.manifest.ignored;
+    format!(
+        "{:.0}; {:.0} are ignored, most with fewer than {} points or beyond {} m",
+        sum(Metric::No),
+        sum(Metric::IgnoredAnnotations),
+        ignored.min_points,
+        ignored.max_range_m
+    )
 }
 
 /// The order of kinds of slices; `None` for those that are shown elsewhere.

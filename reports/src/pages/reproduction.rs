@@ -102,7 +102,10 @@ fn recording(manifest: &Manifest, folders: &[String]) -> Markup {
     html! {
         div.recording {
             h3 { "Every stage on every scan" }
-            p { "The recording " @for it in folders { a href=(it) { (it) } " " } "opens in the Rerun viewer, on the desktop or in a browser:" }
+            p {
+                "Recorded in " @for it in folders { a href=(it) { (it) "/" } " " }
+                "for the Rerun viewer. The second line opens it on the desktop, the third one in a browser:"
+            }
             (commands(
                 &format!("pip install rerun-sdk=={version}\nrerun {folders}\nrerun --web-viewer {folders}", folders = folders.join(" ")),
                 "Commands that open the recording"

@@ -43,7 +43,7 @@ pub(super) fn times(facts: &RunFacts, files: &mut Vec<Figure>) -> Section {
                     panels: &of_scans,
                     key: &key_of(&facts.detectors(), has_times),
                     caption: html! {
-                        "Share of the scans (" (origin) ") that finish within a time. Farther left is faster, steeper is more constant. "
+                        "Share of the scans (" (origin) ") that finish within a time. Farther left is faster; steeper means less spread. "
                         "A sensor with ten turns per second allows 100 ms."
                     },
                     class: "single",

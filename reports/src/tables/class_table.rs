@@ -282,8 +282,8 @@ impl ClassTable {
         let about_interval = kinds.reduce(BlockKind::with).map(|it| format!("95 %: {}", about_interval(it)));
         let mut sentences = vec![format!(
             "Each class by itself, in %: annotations and detections of this class alone are matched, by {}. Detectors that give no \
-             class are left out. mean: over the classes that are annotated; a rate that is not known for all of them has none. FO \
-             is ? where the data set does not label the class. AP: average precision at 40 recalls.",
+             class are left out, and a detection has to be given this class. mean: over the classes that are annotated; no mean \
+             where a class lacks the rate. FO is ? where the data set does not label the class. AP: average precision at 40 recalls.",
             self.matching_criterion
         )];
         sentences.extend(about_interval);

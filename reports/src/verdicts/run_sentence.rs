@@ -1,7 +1,7 @@
 //! A run in one sentence: which detector leads, by how much, how surely, and how long it takes.
 
 use crate::files::fixed_decimals::{fixed_decimals, three_digits};
-use crate::verdicts::task_ranking::{Speeds, TaskRanking, points};
+use crate::verdicts::task_ranking::{Speeds, TaskRanking, end_points, points};
 use crate::vocabulary::metric::Metric;
 
 /// The sentence about the `rankings` of all tasks on the same data sets, and the `speeds` there. `None` where nothing can be
@@ -77,7 +77,7 @@ impl<'a> Lead<'a> {
         let lead = self.ranking.lead.as_ref();
         let difference = lead.map_or_else(String::new, |it| points(it.difference()));
         let interval = lead.and_then(|it| it.interval).map_or_else(String::new, |it| {
-            let [low, high] = it.ends.map(points);
+            let [low, high] = end_points(it.ends);
             format!(" (95 %: {low} to {high})")
         });
         format!("in {} by {difference} points of {rate} over {}{interval}", self.ranking.task, self.second)

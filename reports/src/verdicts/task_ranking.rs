@@ -278,6 +278,17 @@ pub(super) fn points(difference: f64) -> String {
     fixed_decimals(100.0 * difference, 1).replace('-', "−")
 }
 
+/// The ends of the interval of a difference in hundredths, with the digits that tell them from 0.
+pub(super) fn end_points(ends: [f64; 2]) -> [String; 2] {
+    ends.map(|it| {
+        if it == 0.0 || (100.0 * it).abs() >= 0.05 {
+            points(it)
+        } else {
+            fixed_decimals(100.0 * it, 2).replace('-', "−")
+        }
+    })
+}
+
 impl PairedDifference {
     /// Whether nothing can rest on its interval.
     pub(super) fn decides_nothing(&self) -> bool {
@@ -286,7 +297,7 @@ impl PairedDifference {
 
     fn interval_text(&self) -> String {
         self.interval.map_or_else(String::new, |it| {
-            let [low, high] = it.ends.map(points);
+            let [low, high] = end_points(it.ends);
             format!(" (95 % interval {low} to {high})")
         })
     }

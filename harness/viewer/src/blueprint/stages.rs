@@ -1,11 +1,12 @@
 //! One detector, stage by stage.
 
+use re_sdk_types::blueprint::archetypes::PlotLegend;
 use rerun::EntityPath;
 use rerun::blueprint::{ContainerLike, Grid, Horizontal, TimeSeriesView, Vertical};
 
 use super::RecordingLayout;
 use super::compare::{drawn_legend, mistakes};
-use super::scene::{Eye, Property, Scene, ScenePoints, hide};
+use super::scene::{Eye, Property, Scene, ScenePoints, add, hide};
 use crate::entity_paths;
 use crate::product_views::{DetectorViews, StageView};
 
@@ -54,11 +55,13 @@ pub fn stages(
     let grid = Grid::new(views).with_grid_columns(n_columns);
     let times: ContainerLike =
         TimeSeriesView::new("stage times in ms").with_origin(entity_paths::stage_times(name)).into();
+    // It would cover the plot; where detectors are compared, the same plot is wide enough for it.
+    add(properties, &times, "PlotLegend", PlotLegend::new().with_visible(false));
     let legends = [entity_paths::LEGEND_STAGES, entity_paths::LEGEND_OUTCOMES]
         .map(|origin| drawn_legend(layout, origin, properties));
     let below = [mistakes(layout, name, properties), times].into_iter().chain(legends);
     Vertical::new([grid.into(), Horizontal::new(below).into()])
-        .with_row_shares(vec![4.0, 1.0])
+        .with_row_shares(vec![3.5, 1.0])
         .with_name(format!("stages of {name}"))
         .into()
 }

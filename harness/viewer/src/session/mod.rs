@@ -12,7 +12,7 @@ use super::blueprint::{RecordingLayout, send_blueprint, send_time};
 use super::drawn_points::{DrawnPoints, PointChoice};
 use super::error::StreamError;
 use super::layers::{APPLICATION_ID, Layers};
-use super::log_outcomes::{log_changes, log_mistakes, log_outcomes};
+use super::log_outcomes::{log_changes, log_mistakes, log_mistakes_of_scan, log_outcomes};
 use super::log_products::log_products;
 use super::log_scan::{log_pose, log_scan, log_title};
 use super::log_scores::log_scores;
@@ -237,7 +237,10 @@ impl Stream {
             let assignment = task.assignment;
             let drawn = log_outcomes(stream, scan, view.name, &view.output.detections, assignment)?;
             on_screen.extend(drawn.entities);
-            log_mistakes(stream, view.name, assignment.task, &task.mistakes, &drawn.places)?;
+            log_mistakes(stream, view.name, assignment.task, &task.mistakes)?;
+            if assignment.task == self.opening.shown_task {
+                log_mistakes_of_scan(stream, view.name, assignment.task, &task.mistakes, &drawn.places)?;
+            }
             if is_labelled {
                 log_counts(stream, view.name, assignment, task.false_detections)?;
                 log_f_rate(stream, view.name, assignment.task, task.f_rate_so_far)?;
