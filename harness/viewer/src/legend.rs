@@ -147,9 +147,9 @@ pub struct LegendDot {
 /// Left and right end of a drawn legend.
 pub const VISIBLE_X: [f64; 2] = [-1.5, 9.3];
 /// Top and bottom of a drawn legend of three rows.
-pub const VISIBLE_Y: [f64; 2] = [-2.0, 3.2];
+pub const VISIBLE_Y: [f64; 2] = [-2.8, 3.2];
 /// Where the name of the scan is written.
-pub const TITLE_POSITION: [f32; 2] = [3.9, -1.9];
+pub const TITLE_POSITION: [f32; 2] = [3.9, -2.7];
 /// From dot to dot: the names below them are wider than high.
 const STEP: [f32; 2] = [2.6, 1.1];
 

@@ -56,7 +56,7 @@ pub fn log_scan(
     if !view.marks.is_empty() {
         log_marks(stream, entity_paths::MARKS, view.marks)?;
     }
-    log_title(stream, format!("{}\n{n_points}, {} annotations", scan.id, scan.annotations.len()))
+    log_title(stream, format!("{}\n{n_points}\n{} annotations", scan.id, scan.annotations.len()))
 }
 
 /// Logs a pointer from above at each mark.
