@@ -96,10 +96,10 @@ fn speeds_of<'a>(facts: &'a RunFacts, pool: &Pool) -> Option<&'a Speeds> {
     facts.speeds.iter().find(is_of_pool)
 }
 
-/// Median time of a detector in milliseconds.
-fn median_ms(facts: &RunFacts, pool: &Pool, detector: &str) -> Option<f64> {
-    let medians_ms = &speeds_of(facts, pool)?.medians_ms;
-    medians_ms.iter().find(|it| it.0 == detector).map(|it| it.1)
+/// Mean time of a detector in milliseconds.
+fn mean_ms(facts: &RunFacts, pool: &Pool, detector: &str) -> Option<f64> {
+    let means_ms = &speeds_of(facts, pool)?.means_ms;
+    means_ms.iter().find(|it| it.0 == detector).map(|it| it.1)
 }
 
 /// The rates of all detectors with their intervals, over their times if each has one.
@@ -122,7 +122,7 @@ fn figure(facts: &RunFacts, files: &mut Vec<Figure>) -> Markup {
         caption: html! {
             "Rates over " (together) " with 95 % intervals (bars" (facts.caveat(",")) "). "
             @if has_times {
-                "Further up is better, further left is faster (median). Line: the Pareto front; no detector is both better \
+                "Further up is better, further left is faster (mean). Line: the Pareto front; no detector is both better \
                  and faster than those on it. 100 ms: a turn of a sensor with ten turns a second. "
             }
             @if has_paper { "Hollow diamonds: what papers state, on other scans" @if has_times { " and computers" } ". " }
@@ -165,7 +165,7 @@ fn ranked_detectors(facts: &RunFacts, pool: &Pool) -> Markup {
                                     }
                                 }
                             }
-                            td.number { (median_ms(facts, pool, detector).map_or_else(|| "–".to_owned(), three_digits)) }
+                            td.number { (mean_ms(facts, pool, detector).map_or_else(|| "–".to_owned(), three_digits)) }
                         }
                     }
                 }
@@ -235,7 +235,7 @@ fn plot(facts: &RunFacts, ranking: &TaskRanking) -> (ThemedPanel, bool) {
             interval_percent: ranked.and_then(|it| it.interval).map(|it| it.ends.map(percent)),
             published: paper.as_ref().and_then(|paper| paper(name)),
         };
-        (row, median_ms(facts, &ranking.pool, name))
+        (row, mean_ms(facts, &ranking.pool, name))
     };
     let rows: Vec<(RankingRow, Option<f64>)> = facts.detectors().iter().map(row).collect();
     let rate = match ranking.metric {

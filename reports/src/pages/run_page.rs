@@ -191,7 +191,7 @@ mod tests {
     #[test]
     fn a_single_detector_needs_no_rival() {
         let html = page(&SampleRun { detectors: &["pca"], ..USUAL }).html;
-        check_holds(&html, &["pca has an F-rate of 90.0 %", "pca takes 4.00 ms for a scan (median)."]);
+        check_holds(&html, &["pca has an F-rate of 90.0 %", "pca takes 4.00 ms for a scan (mean)."]);
         assert!(!html.contains("leads with") && !html.contains("× faster"));
     }
 

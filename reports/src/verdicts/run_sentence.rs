@@ -104,8 +104,8 @@ fn times(leads: &[Lead<'_>], speeds: Option<&Speeds>) -> String {
         let of_lead = if lead.is_tie() { &[lead.first, lead.second][..] } else { &[lead.first] };
         named.extend(of_lead.iter().filter(|it| !named.contains(it)).copied().collect::<Vec<_>>());
     }
-    let median_ms = |name: &str| speeds.medians_ms.iter().find(|it| it.0 == name).map(|it| it.1);
-    let texts = named.iter().map(|it| Some(format!("{it} takes {} ms a scan", three_digits(median_ms(it)?))));
+    let mean_ms = |name: &str| speeds.means_ms.iter().find(|it| it.0 == name).map(|it| it.1);
+    let texts = named.iter().map(|it| Some(format!("{it} takes {} ms a scan", three_digits(mean_ms(it)?))));
     let texts: Vec<String> = texts.flatten().collect();
     if texts.is_empty() { String::new() } else { format!("; {}", texts.join(", ")) }
 }
@@ -120,7 +120,7 @@ mod tests {
     fn a_run_is_one_sentence() {
         let speeds = Speeds {
             on: None,
-            medians_ms: vec![("grid".to_owned(), 11.6), ("tree".to_owned(), 55.0)],
+            means_ms: vec![("grid".to_owned(), 11.6), ("tree".to_owned(), 55.0)],
             is_doubted: false,
         };
         let sure = ranking(&[Some(0.7), Some(0.6)], Some([0.1, 0.05, 0.12]));

@@ -9,7 +9,7 @@ use crate::run_folder::manifest::{DatasetEntry, Manifest};
 use crate::uncertainty::sample::{Draw, Question};
 use crate::verdicts::paired_difference::{PairedDifference, paired_difference};
 use crate::verdicts::times_doubt::share_on_busy_machine;
-use crate::vocabulary::metric::{LatencyStatistic, Metric};
+use crate::vocabulary::metric::Metric;
 use crate::vocabulary::origin::Origin;
 use crate::vocabulary::slice::Slice;
 use crate::vocabulary::task::Task;
@@ -55,8 +55,8 @@ pub struct RankedDetector {
 pub struct Speeds {
     /// The data sets, where there are others.
     pub on: Option<String>,
-    /// Name and median time in milliseconds, the fastest first.
-    pub medians_ms: Vec<(String, f64)>,
+    /// Name and mean time in milliseconds, the fastest first.
+    pub means_ms: Vec<(String, f64)>,
     /// Whether the machine was busy, so that they are unreliable.
     pub is_doubted: bool,
 }
@@ -120,18 +120,20 @@ fn those_with(manifest: &Manifest, pool: &Pool, doubts: fn(&DatasetEntry) -> &Ve
 pub fn speeds(manifest: &Manifest, report: &RunReport) -> Vec<Speeds> {
     let pools = manifest.pools();
     let speeds = pools.iter().map(|pool| {
-        let median = |detector: &str| {
+        // That of the column `fps` of tables.
+        let mean = |detector: &str| {
             let subject = Subject::of_all(pool.extent.name(), report.first_task()?, detector);
-            report.row(&subject, &Metric::Latency(LatencyStatistic::P50))?.value()
+            Some(1e3 / report.row(&subject, &Metric::FpsMean)?.value()?)
         };
         let names = manifest.detectors.iter().map(|it| &it.name);
-        let mut medians_ms: Vec<(String, f64)> =
-            names.filter_map(|name| Some((name.clone(), median(name).filter(|it| *it > 0.0)?))).collect();
-        medians_ms.sort_by(|a, b| a.1.total_cmp(&b.1));
+        let mut means_ms: Vec<(String, f64)> = names
+            .filter_map(|name| Some((name.clone(), mean(name).filter(|it| it.is_finite() && *it > 0.0)?)))
+            .collect();
+        means_ms.sort_by(|a, b| a.1.total_cmp(&b.1));
         let is_busy =
             |id: &String| manifest.detectors.iter().any(|it| share_on_busy_machine(report, id, it).is_some());
         let is_doubted = pool.datasets.iter().any(is_busy);
-        Speeds { on: (pools.len() > 1).then(|| pool.in_words()), medians_ms, is_doubted }
+        Speeds { on: (pools.len() > 1).then(|| pool.in_words()), means_ms, is_doubted }
     });
     speeds.collect()
 }
@@ -321,7 +323,7 @@ const ABOUT_AS_FAST: f64 = 1.05;
 impl Speeds {
     /// How many times faster the fastest detectors are, in a sentence, or why it is not said; `None` if nothing was timed.
     pub fn sentence(&self) -> Option<String> {
-        let ((name, fastest_ms), others) = self.medians_ms.split_first()?;
+        let ((name, fastest_ms), others) = self.means_ms.split_first()?;
         let on = self.on.as_ref().map_or_else(String::new, |it| format!("On {it}: "));
         if self.is_doubted {
             return Some(format!(
@@ -340,7 +342,7 @@ impl Speeds {
                 }
             })
             .collect();
-        let time = format!("{on}{name} takes {} ms for a scan (median)", three_digits(*fastest_ms));
+        let time = format!("{on}{name} takes {} ms for a scan (mean)", three_digits(*fastest_ms));
         Some(match others.split_last() {
             None => format!("{time}."),
             Some((only, [])) => format!("{time}, {only}."),
@@ -517,18 +519,18 @@ pub(super) mod tests {
 
     #[test]
     fn speeds_are_compared_with_the_fastest() {
-        let speeds = |medians: &[(&str, f64)]| {
-            let medians_ms = medians.iter().map(|(name, ms)| ((*name).to_owned(), *ms)).collect();
-            Speeds { on: None, medians_ms, is_doubted: false }.sentence()
+        let speeds = |means: &[(&str, f64)]| {
+            let means_ms = means.iter().map(|(name, ms)| ((*name).to_owned(), *ms)).collect();
+            Speeds { on: None, means_ms, is_doubted: false }.sentence()
         };
         assert_eq!(speeds(&[]), None);
         assert_eq!(
             speeds(&[("grid", 3.06), ("pca", 9.04), ("tree", 356.4)]).unwrap(),
-            "grid takes 3.06 ms for a scan (median), 3.0 × faster than pca (9.04 ms) and 116 × faster than tree (356 ms)."
+            "grid takes 3.06 ms for a scan (mean), 3.0 × faster than pca (9.04 ms) and 116 × faster than tree (356 ms)."
         );
         assert_eq!(
             speeds(&[("grid", 3.06), ("pca", 3.15), ("tree", 3.37)]).unwrap(),
-            "grid takes 3.06 ms for a scan (median), about as fast as pca (3.15 ms) and 1.1 × faster than tree (3.37 ms)."
+            "grid takes 3.06 ms for a scan (mean), about as fast as pca (3.15 ms) and 1.1 × faster than tree (3.37 ms)."
         );
     }
 }

@@ -125,7 +125,7 @@ fn results_are_on_stdout_and_the_rest_is_on_stderr_unless_quiet() {
     let (_, summary) = ended.stdout.rsplit_once("\n\nTask objects: ").expect("a summary");
     assert!(summary.contains("Task vehicles: "), "{summary}");
     let compared = [" × faster than ", " about as fast as "].iter().any(|it| summary.contains(it));
-    let is_said = summary.contains(" ms for a scan (median), ") && compared;
+    let is_said = summary.contains(" ms for a scan (mean), ") && compared;
     assert_ne!(is_said, summary.contains("Times are unreliable: "), "{summary}");
     let quiet = workplace.succeed("-q run street -d pca -o quiet");
     assert_eq!(quiet.stderr, "");
