@@ -5,9 +5,9 @@ use std::time::Duration;
 use detector::detector::StageTime;
 use evaluation::matching::outcome::{Assignment, DetectionOutcome};
 use evaluation::metrics::counts::{Counts, FalseDetections};
-use re_sdk_types::archetypes::{Scalars, SeriesLines};
+use re_sdk_types::archetypes::{Scalars, SeriesLines, SeriesPoints};
 use reports::vocabulary::task::Task;
-use rerun::RecordingStream;
+use rerun::{EntityPath, RecordingStream};
 
 use super::error::StreamError;
 use super::palette::Rgb;
@@ -23,22 +23,28 @@ const COUNT_LINES: [(&str, Rgb); 3] =
 ///
 /// [`StreamError::Log`] if Rerun refuses.
 pub fn log_lines(stream: &RecordingStream, detector: &str, detector_idx: usize) -> Result<(), StreamError> {
-    let line = line_of(detector, detector_idx);
     for task in Task::ALL {
-        recording::log_static(stream, entity_paths::f_rate(task, detector), &line)?;
+        log_line_of(stream, entity_paths::f_rate(task, detector), detector, detector_idx)?;
         for (name, color) in COUNT_LINES {
             let line = SeriesLines::new().with_names([name]).with_colors([legend::rgba(color)]);
             recording::log_static(stream, entity_paths::count(detector, task, name), &line)?;
         }
     }
-    recording::log_static(stream, entity_paths::latency(detector), &line)
+    log_line_of(stream, entity_paths::latency(detector), detector, detector_idx)
 }
 
-fn line_of(detector: &str, detector_idx: usize) -> SeriesLines {
-    SeriesLines::new()
-        .with_names([detector])
-        .with_colors([legend::rgba(palette::detector_color(detector_idx))])
-        .with_widths([2.0])
+/// A line in the colour of the detector, and a dot at each value: of a single one there is no line.
+fn log_line_of(
+    stream: &RecordingStream,
+    path: EntityPath,
+    detector: &str,
+    detector_idx: usize,
+) -> Result<(), StreamError> {
+    let color = legend::rgba(palette::detector_color(detector_idx));
+    let line = SeriesLines::new().with_names([detector]).with_colors([color]).with_widths([2.0]);
+    let dots = SeriesPoints::new().with_names([detector]).with_colors([color]).with_marker_sizes([3.5]);
+    recording::log_static(stream, path.clone(), &line)?;
+    recording::log_static(stream, path, &dots)
 }
 
 /// Logs name and colour of the lines that the detector at `detector_idx` has where nothing is labelled.
@@ -51,9 +57,8 @@ pub fn log_lines_without_labels(
     detector: &str,
     detector_idx: usize,
 ) -> Result<(), StreamError> {
-    let line = line_of(detector, detector_idx);
     Task::ALL.into_iter().try_for_each(|task| {
-        recording::log_static(stream, entity_paths::number_of_detections(task, detector), &line)
+        log_line_of(stream, entity_paths::number_of_detections(task, detector), detector, detector_idx)
     })
 }
 
