@@ -132,7 +132,7 @@ def main(scanbench, pictures, scratch, newest=None):
         one_file(scratch / name / "recording", scratch / name)
     compared = scratch / "compare/run.rrd"
     run(scanbench, "view", compared.parent, *"--worst 3 --task objects --rerun-points 20000".split())
-    empty, unjudged = damaged(compared, "/"), damaged(compared, "/world/sensor/detectors/pca/outcomes")
+    empty, unjudged = damaged(compared, "/"), damaged(compared, f"/world/sensor/detectors/{ALL[0]}/outcomes")
     for path, n_scans, detectors, is_sound in [
         (compared, 3, ALL, True),
         (scratch / "paper/run.rrd", 3, ["paper"], True),
