@@ -84,7 +84,7 @@ fn n_counted_and_ignored(facts: &RunFacts) -> String {
     };
     let ignored = &facts.manifest.ignored;
     format!(
-        "{:.0}; {:.0} are ignored, most with fewer than {} points or beyond {} m",
+        "{:.0}; {:.0} are ignored, such as those with fewer than {} points or beyond {} m",
         sum(Metric::No),
         sum(Metric::IgnoredAnnotations),
         ignored.min_points,
