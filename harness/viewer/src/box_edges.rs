@@ -24,7 +24,7 @@ pub fn box_edges(drawn: &OrientedBox, seen: Option<SeenSides>) -> Vec<Strip> {
     let Some(seen) = seen else {
         let [a, b, c, d] = low_m;
         let [e, f, g, h] = high_m;
-        // All edges, some twice, and that of the front again: of a line that is the only one of its entity no viewer shows the label.
+        // All edges, some twice; and that of the front again, since no viewer shows the label of the only line of an entity.
         return vec![vec![a, b, c, d, a, e, f, b, f, g, c, g, h, d, h, e], vec![d, a]];
     };
     // Counter-clockwise from front left, so that side `k` lies between corners `k` and `k + 1`.

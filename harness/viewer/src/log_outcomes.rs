@@ -304,14 +304,23 @@ fn kind_of_mistake(kind: MistakeKind) -> (&'static str, palette::Rgb) {
     }
 }
 
+/// `letter`, after a backslash if Markdown would read it.
+fn escaped(letter: char, is_markup: bool) -> impl Iterator<Item = char> {
+    is_markup.then_some('\\').into_iter().chain([letter])
+}
+
 /// An item of a list in Markdown: `mistake` as a link that selects its box, if it has one.
 fn linked(mistake: &Mistake, place: Option<&(EntityPath, usize)>) -> String {
     let (word, _) = kind_of_mistake(mistake.kind);
     let is_markup = |it: char| it.is_ascii_punctuation() && !",.:;()%/+'-".contains(it);
-    let text: String =
-        mistake.text.chars().flat_map(|it| is_markup(it).then_some('\\').into_iter().chain([it])).collect();
+    let text: String = mistake.text.chars().flat_map(|it| escaped(it, is_markup(it))).collect();
     match place {
-        Some((path, line)) => format!("- {word} [{text}](<recording:/{path}[#{line}]>)\n"),
+        Some((path, line)) => {
+            // What a path escapes stays escaped once Markdown has been read.
+            let path: String =
+                path.to_string().chars().flat_map(|it| escaped(it, "\\<>".contains(it))).collect();
+            format!("- {word} [{text}](<recording:/{path}[#{line}]>)\n")
+        }
         None => format!("- {word} {text}\n"),
     }
 }
@@ -333,7 +342,7 @@ mod tests {
         check_linked(
             "a part (2 points, 7 m)",
             Some(&(layer, 8)),
-            "- false [a part (2 points, 7 m)](<recording://world/sensor/detectors/my\\ detector/outcomes/objects/false[#8]>)\n",
+            "- false [a part (2 points, 7 m)](<recording://world/sensor/detectors/my\\\\ detector/outcomes/objects/false[#8]>)\n",
         );
         check_linked("without a box", None, "- false without a box\n");
     }
