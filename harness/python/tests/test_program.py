@@ -53,15 +53,16 @@ def test_every_table_of_a_real_run_is_a_frame(run: Run, backend: Any) -> None:
     for path in [*run.path.glob("*.csv"), run.path / "report.json"]:
         frame = run.frame(path.stem, backend)
         names = frame.keys() if backend == "numpy" else frame.columns
-        assert len(set(names)) == len(names) > 5, path
+        # Only what takes what for what is a narrow table.
+        assert len(set(names)) == len(names) > (4 if path.stem == "confusion" else 5), path
         assert len(frame[list(names)[0]]) > 0, path
 
 
 @needs_program
 def test_tables_of_a_real_run_say_the_same(run: Run) -> None:
     scans, matches, report = (run.frame(name, "numpy") for name in ["scans", "matches", "report"])
-    # Two scans, two detectors, two tasks.
-    assert len(scans["scan"]) == 8 and set(scans["detector"]) == {"hierarchical", "pca"}
+    # Two scans; two tasks of both detectors, and two classes that only one of them gives.
+    assert len(scans["scan"]) == 12 and set(scans["detector"]) == {"hierarchical", "pca"}
     for name, kind in {"scan": "i", "n_points": "i", "tp": "i", "latency_ms": "f", "sequence": "O"}.items():
         assert scans[name].dtype.kind == kind, name
     for detector in ["hierarchical", "pca"]:
