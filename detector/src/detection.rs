@@ -101,6 +101,8 @@ pub struct BoxDetails {
     pub velocity_m_per_s: Option<[f32; 2]>,
     /// Number of the object in all scans of its drive; `None` if the detector does not follow it.
     pub track: Option<u32>,
+    /// Whether its points are those that lie in the box, since the detector gave none.
+    pub has_points_of_box: bool,
 }
 
 /// One detected object, borrowed from [`Detections`].

@@ -11,7 +11,7 @@ use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::{Mutex, PoisonError};
 
-use reports::files::new_file::open_to_add;
+use reports::files::new_file::{has_no_locks, open_to_add};
 use reports::files::regular_file::{BoundedLines, RegularFile};
 use serde::Serialize;
 use serde::de::DeserializeOwned;
@@ -111,7 +111,7 @@ impl Journal {
         match file.try_lock() {
             Ok(()) => {}
             // Not every file system knows locks.
-            Err(TryLockError::Error(error)) if error.kind() == io::ErrorKind::Unsupported => {}
+            Err(TryLockError::Error(error)) if has_no_locks(&error) => {}
             Err(TryLockError::WouldBlock) => {
                 return Err(JournalError::Locked { kind, path: path.to_owned() });
             }

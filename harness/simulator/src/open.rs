@@ -3,6 +3,7 @@
 use nalgebra::Isometry3;
 use scans::dataset::class_table::ClassRules;
 use scans::dataset::dataset_format::DatasetFormat;
+use scans::dataset::labeled_ahead::LabeledAhead;
 use scans::dataset::mounting::Mounting;
 use scans::dataset::open::{ReadOptions, open_recorded};
 use scans::dataset::point_columns::PointColumns;
@@ -27,6 +28,8 @@ pub struct OpenOptions {
     pub sensor_height_m: Option<f32>,
     /// From the frame of the files to that of the sensor; nothing for a simulation.
     pub sensor_from_file: Option<Isometry3<f64>>,
+    /// How far to either side of forward the labels reach, in degrees.
+    pub labels_ahead_deg: Option<f32>,
     /// The columns of points in files that do not name them.
     pub columns: Option<PointColumns>,
     /// The topics of a recording; without them, those of the catalogue, or the only ones.
@@ -67,7 +70,10 @@ pub fn open_dataset(
         let problem = format!("has a description of its simulation that cannot be read: {error}");
         return Err(DatasetError::damaged(path, problem));
     }
-    Ok(dataset)
+    Ok(match options.labels_ahead_deg {
+        Some(limit_deg) => Box::new(LabeledAhead::new(dataset, limit_deg)),
+        None => dataset,
+    })
 }
 
 fn open_drive(
@@ -83,6 +89,7 @@ fn open_drive(
         n_scans: options.n_simulated_scans.unwrap_or(drive.n_scans),
         sensor: options.sensor.clone().unwrap_or_else(|| drive.sensor.clone()),
         sensor_height_m: options.sensor_height_m.or(drive.sensor_height_m),
+        labeled_to_either_side_deg: options.labels_ahead_deg.or(drive.labeled_to_either_side_deg),
         ..drive.clone()
     };
     open_simulated_street(id, &drive)

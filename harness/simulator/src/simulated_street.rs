@@ -4,8 +4,9 @@ use std::path::Path;
 
 use nalgebra::{Isometry3, Quaternion, Translation3, UnitQuaternion};
 use reports::vocabulary::named::named;
-use scans::annotation::{LabeledArea, LabeledScan, PointRegion, ScanId};
+use scans::annotation::{LabeledScan, ScanId};
 use scans::dataset::checksum::sha256;
+use scans::dataset::labeled_ahead::keep_ahead;
 use scans::dataset::simulation::Simulation;
 use scans::dataset::text_file::read_text_file;
 use scans::dataset::{AnnotatedClasses, Dataset, DatasetDescription, DatasetError, Listing};
@@ -137,7 +138,7 @@ impl Dataset for SimulatedStreet {
             Shutter::Rolling => street.rolling_scan(&self.sensor, turn),
         };
         if let Some(limit_deg) = self.drive.labeled_to_either_side_deg {
-            mark_outside(&mut scan, limit_deg);
+            keep_ahead(&mut scan, limit_deg);
         }
         Ok(scan)
     }
@@ -192,24 +193,10 @@ pub fn sensor_named(id_or_path: &str) -> Result<SensorModel, DatasetError> {
     described.map_err(|error| DatasetError::Sensor { path: path.to_owned(), source: error.into() })
 }
 
-/// Marks all points farther than `limit_deg` to either side of forward as outside of the labelled area, and takes away the
-/// annotations without a point nearer to forward. An object that the limit cuts keeps all of its points, as where people
-/// label the view of a camera.
-fn mark_outside(scan: &mut LabeledScan, limit_deg: f32) {
-    let columns = scan.cloud.x_m().iter().zip(scan.cloud.y_m());
-    for ((x_m, y_m), region) in columns.zip(&mut scan.point_regions) {
-        if y_m.atan2(*x_m).abs().to_degrees() > limit_deg {
-            *region = PointRegion::Outside;
-        }
-    }
-    let regions = &scan.point_regions;
-    let is_labeled = |point_idx: &u32| regions[*point_idx as usize] == PointRegion::Labeled;
-    scan.annotations.retain(|it| it.point_indices.iter().any(is_labeled));
-    scan.labeled_area = LabeledArea::Ahead { to_either_side_deg: limit_deg };
-}
-
 #[cfg(test)]
 mod tests {
+    use scans::annotation::{LabeledArea, PointRegion};
+
     use super::*;
 
     fn drive() -> StreetDrive {

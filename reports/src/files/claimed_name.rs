@@ -4,7 +4,7 @@ use std::fs::{File, TryLockError};
 use std::io;
 use std::path::{Path, PathBuf};
 
-use crate::files::new_file::open_to_add;
+use crate::files::new_file::{has_no_locks, open_to_add};
 use crate::files::unfinished::{Kind, Unfinished};
 use crate::files::whole_file::folder_of;
 
@@ -51,9 +51,7 @@ fn locked(path: &Path) -> io::Result<File> {
         let file = open_to_add(path)?;
         match file.try_lock() {
             // Not every file system knows locks.
-            Err(TryLockError::Error(error)) if error.kind() != io::ErrorKind::Unsupported => {
-                return Err(error);
-            }
+            Err(TryLockError::Error(error)) if !has_no_locks(&error) => return Err(error),
             Err(TryLockError::WouldBlock) => return Err(io::ErrorKind::WouldBlock.into()),
             Ok(()) | Err(TryLockError::Error(_)) => {}
         }

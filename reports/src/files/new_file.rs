@@ -13,6 +13,16 @@ pub fn file_stem_of(name: &str) -> String {
     name.chars().map(|it| if it.is_ascii_alphanumeric() || it == '-' { it } else { '_' }).collect()
 }
 
+/// Whether the `error` of a lock says that the file system has none, like Lustre without `flock` and NFS without its daemon for
+/// locks.
+pub fn has_no_locks(error: &io::Error) -> bool {
+    #[cfg(unix)]
+    let is_of_daemon = error.raw_os_error() == Some(rustix::io::Errno::NOLCK.raw_os_error());
+    #[cfg(not(unix))]
+    let is_of_daemon = false;
+    is_of_daemon || error.kind() == io::ErrorKind::Unsupported
+}
+
 /// Creates the file `path`. A file or link of that name is removed; the target of the link stays as it is.
 ///
 /// # Errors
@@ -123,6 +133,14 @@ mod tests {
     use super::*;
 
     const A_LINK: &str = "it is a link, and nothing is written through one";
+
+    #[cfg(target_os = "linux")]
+    #[test]
+    fn disks_without_locks_say_so_in_several_ways() {
+        // Function not implemented, operation not supported, no locks available; then permission denied.
+        let has_none = |it| has_no_locks(&io::Error::from_raw_os_error(it));
+        assert_eq!([38, 95, 37, 13].map(has_none), [true, true, true, false]);
+    }
 
     #[test]
     fn what_is_no_link_is_written() {

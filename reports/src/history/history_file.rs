@@ -13,7 +13,7 @@ use crate::files::archive::ArchiveError;
 use crate::files::regular_file::read_text;
 use crate::files::whole_file::write_whole;
 use crate::numbers::run_report::{MetricRow, Subject};
-use crate::run_folder::manifest::{Machine, Manifest};
+use crate::run_folder::manifest::{GitState, Machine, Manifest};
 use crate::run_folder::run_archive::RunArchive;
 use crate::vocabulary::metric::Metric;
 use crate::vocabulary::slice::Slice;
@@ -39,10 +39,12 @@ pub struct History {
 pub struct RunOfHistory {
     /// When it began, in UTC as RFC 3339 writes it.
     pub created: String,
-    /// The commit that its program was built from.
+    /// The commit of the project that it ran in or, without one, of the source of its program.
     pub commit: Option<String>,
     /// Whether there were changes beyond the commit.
     pub dirty: bool,
+    /// The commit of the source of its program, in short, if the other is that of a project.
+    pub program: Option<String>,
     /// The machine of its times.
     pub machine: Machine,
     /// Where its page is.
@@ -87,6 +89,8 @@ enum Line {
         commit: Option<String>,
         #[serde(default)]
         dirty: bool,
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        program: Option<String>,
         machine: Machine,
         #[serde(default, skip_serializing_if = "Option::is_none")]
         link: Option<String>,
@@ -124,6 +128,7 @@ fn settings_of(manifest: &Manifest) -> Manifest {
         argv: Vec::new(),
         config: serde_json::Value::Null,
         git: None,
+        project: None,
         machine: Machine::default(),
         experiment: None,
         shard: None,
@@ -168,9 +173,10 @@ impl History {
                     return Err(damaged(line_idx, problem));
                 }
                 Line::Settings { settings, manifest } => drop(history.settings.insert(settings, *manifest)),
-                Line::Run { run, created, commit, dirty, machine, link, settings } => {
+                Line::Run { run, created, commit, dirty, program, machine, link, settings } => {
                     let numbers = BTreeMap::new();
-                    let entry = RunOfHistory { created, commit, dirty, machine, link, settings, numbers };
+                    let entry =
+                        RunOfHistory { created, commit, dirty, program, machine, link, settings, numbers };
                     history.runs.insert(run, entry);
                 }
                 Line::Number { run, dataset, task, detector, slice, metric, value, interval_95 } => {
@@ -197,7 +203,7 @@ impl History {
         Ok(history)
     }
 
-    /// Adds a run, whose page is at `link`; one that is there already changes nothing.
+    /// Adds a run, whose page is at `link`; one that is there already takes over the link.
     pub fn add(&mut self, run: &RunArchive, link: Option<&str>) {
         let manifest = &run.manifest;
         let settings = settings_of(manifest);
@@ -214,15 +220,20 @@ impl History {
         };
         let entry = RunOfHistory {
             created: manifest.created.clone(),
-            commit: manifest.git.as_ref().map(|it| it.commit.clone()),
-            dirty: manifest.git.as_ref().is_some_and(|it| it.dirty),
+            commit: manifest.versioned_by().map(|it| it.commit.clone()),
+            dirty: manifest.versioned_by().is_some_and(|it| it.dirty),
+            program: manifest.git.as_ref().filter(|_| manifest.project.is_some()).map(GitState::in_short),
             machine: manifest.machine.clone(),
-            link: link.map(str::to_owned),
+            link: None,
             settings: id,
             numbers: rows.filter_map(number).collect(),
         };
         let lines: String = entry.lines("").concat();
-        self.runs.entry(format!("{}-{}", entry.created, hash(lines.as_bytes()))).or_insert(entry);
+        let name = format!("{}-{}", entry.created, hash(lines.as_bytes()));
+        let kept = self.runs.entry(name).or_insert(entry);
+        if let Some(link) = link {
+            kept.link = Some(link.to_owned());
+        }
     }
 
     /// This history with the runs of `other`.
@@ -272,12 +283,13 @@ impl History {
 impl RunOfHistory {
     /// Its lines, under this name; the first is that of the run.
     fn lines(&self, name: &str) -> Vec<String> {
-        let Self { created, commit, dirty, machine, link, settings, numbers } = self;
+        let Self { created, commit, dirty, program, machine, link, settings, numbers } = self;
         let run = Line::Run {
             run: name.to_owned(),
             created: created.clone(),
             commit: commit.clone(),
             dirty: *dirty,
+            program: program.clone(),
             machine: machine.clone(),
             link: link.clone(),
             settings: settings.clone(),
@@ -293,10 +305,8 @@ impl RunOfHistory {
 
     /// The beginning of the commit, for people.
     pub fn short_commit(&self) -> String {
-        let dirty = if self.dirty { "+" } else { "" };
-        self.commit
-            .as_deref()
-            .map_or_else(|| "–".to_owned(), |it| format!("{}{dirty}", &it[..it.len().min(8)]))
+        let state = self.commit.clone().map(|commit| GitState { commit, dirty: self.dirty });
+        state.map_or_else(|| "–".to_owned(), |it| it.in_short())
     }
 }
 

@@ -4,6 +4,7 @@ use super::history_file::{History, NumberName, RunOfHistory};
 use super::trends::differences;
 use crate::files::fixed_decimals::fixed_decimals;
 use crate::verdicts::tolerances::{GatedSubject, Tolerances};
+use crate::verdicts::verdict::SinceEarlier;
 use crate::vocabulary::metric::{Direction, Metric};
 
 /// Losses that are listed, at most.
@@ -113,13 +114,20 @@ fn worsening(metric: &Metric, [before, now]: [f64; 2]) -> f64 {
 }
 
 impl Since {
+    /// What it says, for a verdict.
+    pub fn in_words(&self) -> SinceEarlier {
+        SinceEarlier { n_worse: self.losses.len(), lines: self.lines() }
+    }
+
     /// What it says, a line for each loss.
-    pub fn lines(&self) -> Vec<String> {
+    fn lines(&self) -> Vec<String> {
         let Self { run, n_compared, losses } = self;
         let first = match losses.len() {
-            0 => format!("Since {run}: none of {n_compared} numbers is worse than tolerated."),
+            0 => format!(
+                "Since {run}: none of {n_compared} numbers is worse than tolerated; times are left out."
+            ),
             n => format!(
-                "Since {run}: {n} of {n_compared} numbers are worse than tolerated, step by step or at once."
+                "Since {run}: {n} of {n_compared} numbers are worse than tolerated, step by step or at once; times are left out."
             ),
         };
         let line = |it: &LossSince| {

@@ -113,6 +113,11 @@ impl<'a> Trends<'a> {
         if (&before.commit, before.dirty) != (&now.commit, now.dirty) {
             changes.push(format!("commit {} → {}", before.short_commit(), now.short_commit()));
         }
+        if let (Some(before), Some(now)) = (&before.program, &now.program)
+            && before != now
+        {
+            changes.push(format!("scanbench {before} → {now}"));
+        }
         changes
     }
 
@@ -134,6 +139,19 @@ impl<'a> Trends<'a> {
             });
         }
         by_run.into_iter().collect()
+    }
+
+    /// The largest difference of a rate between neighbouring runs: its trend, the index of the later run, and the difference.
+    /// `None` if no rate differs.
+    pub fn largest_step(&self) -> Option<(&Trend, usize, f64)> {
+        let rates = self.trends.iter().filter(|it| it.name.metric.unit() == "ratio");
+        let steps = rates.flat_map(|trend| {
+            let pairs = trend.values.windows(2);
+            pairs.map(move |pair| (trend, pair[1].0, pair[1].1.value - pair[0].1.value))
+        });
+        // The first among equals.
+        let larger = |best: (_, _, f64), it: (_, _, f64)| if it.2.abs() > best.2.abs() { it } else { best };
+        steps.reduce(larger).filter(|it| it.2 != 0.0)
     }
 
     /// Number of trends that are long enough to have a change.

@@ -9,6 +9,8 @@ use crate::history::change_points::{ChangePoint, SIGNIFICANCE};
 use crate::history::trends::{Comparable, MOST_RUNS, Trend, Trends};
 use crate::plots::history_plot::history_figures;
 
+/// With fewer runs a change in the middle is called sure only if it is a single, large one.
+const FEW_RUNS: usize = 14;
 /// Numbers that are listed for a run, at most; the page has all.
 const MOST_LISTED: usize = 8;
 
@@ -46,7 +48,7 @@ impl HistoryPage {
 fn changes(trends: &Trends<'_>) -> Markup {
     let changed = trends.changed_runs();
     html! {
-        @if changed.is_empty() { p { "No number changed." } }
+        @if changed.is_empty() { p { (nothing_changed(trends)) } }
         @for (run_idx, numbers) in &changed {
             h3 { (run_in_words(trends, *run_idx)) }
             ul { @for it in trends.what_changed(*run_idx) { li { (it) } } }
@@ -87,7 +89,7 @@ pub fn in_short(trends: &Trends<'_>) -> String {
     let mut lines = vec![looked_at(trends)];
     let changed = trends.changed_runs();
     if changed.is_empty() {
-        lines.push("No number changed.".to_owned());
+        lines.push(nothing_changed(trends));
     }
     for (run_idx, numbers) in changed {
         lines.push(String::new());
@@ -122,9 +124,26 @@ fn looked_at(trends: &Trends<'_>) -> String {
     )
 }
 
+/// The sentence about trends without a change; where runs are few, with the largest step of a score, which may be one.
+fn nothing_changed(trends: &Trends<'_>) -> String {
+    let n_runs = trends.trends.iter().map(|it| it.values.len()).max().unwrap_or_default();
+    if n_runs == 0 || n_runs >= FEW_RUNS {
+        return "No number changed.".to_owned();
+    }
+    let step = trends.largest_step().map(|(trend, run_idx, step)| {
+        let step = signed(&fixed_decimals(100.0 * step, 1));
+        format!(" The largest step of a rate is {step} at run {}: {}.", run_idx + 1, trend.in_words())
+    });
+    format!(
+        "No number surely changed, which {n_runs} runs of a line can hardly show; {FEW_RUNS} can.{}",
+        step.unwrap_or_default()
+    )
+}
+
 fn run_in_words(trends: &Trends<'_>, run_idx: usize) -> String {
     let (_, run) = &trends.runs[run_idx];
-    format!("Run {}, {}, commit {}", run_idx + 1, run.created, run.short_commit())
+    let link = run.link.as_ref().map_or_else(String::new, |it| format!(", {it}"));
+    format!("Run {}, {}, commit {}{link}", run_idx + 1, run.created, run.short_commit())
 }
 
 fn change_in_words(trend: &Trend, change: &ChangePoint) -> String {

@@ -18,6 +18,12 @@ pub(super) fn reproduction(facts: &RunFacts) -> Section {
             Some(_) => p { "All numbers are reproduced to the last digit, except times." },
             None => p { "The commit that the program was built from is not known." },
         }
+        @if let Some(project) = &manifest.project {
+            p {
+                "The command ran in a git repository at commit " code { (project.commit) }
+                @if project.dirty { ", with uncommitted changes" } "."
+            }
+        }
         @for entry in &manifest.detectors {
             @if let Some(foreign) = &entry.foreign { (not_built_in(&entry.name, foreign)) }
         }

@@ -61,8 +61,11 @@ pub struct Manifest {
     pub datasets: Vec<DatasetEntry>,
     /// The detectors, in the order of the tables.
     pub detectors: Vec<DetectorEntry>,
-    /// The state of the source, where it is known.
+    /// The state of the source that the program was built from, where it is known.
     pub git: Option<GitState>,
+    /// The state of the repository of the user in which the command ran, if there is one.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub project: Option<GitState>,
     /// The compiler.
     pub rustc_version: String,
     /// The Rerun library, if the program was built with it.
@@ -128,6 +131,9 @@ pub struct DatasetEntry {
     /// What the user said names of classes in the labels stand for.
     #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
     pub classes: BTreeMap<String, AnnotationClass>,
+    /// How far to either side of forward the labels reach, in degrees, as the user said; `None` for as the files say.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub labels_ahead_deg: Option<f32>,
     /// Which scans were selected, as the command line writes it; `None` for all.
     pub selection: Option<String>,
     /// What is known better than drives say of which scans are drawn together: names of blocks, or of the drives that scans
@@ -317,7 +323,7 @@ pub struct ForeignEntry {
     pub vehicles: String,
 }
 
-/// The state of the source that the program was built from.
+/// The state of a git repository.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schemas", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
@@ -326,6 +332,14 @@ pub struct GitState {
     pub commit: String,
     /// Whether there were changes beyond the commit.
     pub dirty: bool,
+}
+
+impl GitState {
+    /// The beginning of the commit, with a `+` if there were changes beyond it.
+    pub fn in_short(&self) -> String {
+        let short: String = self.commit.chars().take(8).collect();
+        format!("{short}{}", if self.dirty { "+" } else { "" })
+    }
 }
 
 /// A computer.
@@ -362,7 +376,13 @@ impl Manifest {
                     it.id
                 )
             });
-            doubts.chain(overruled).collect::<Vec<_>>()
+            let ahead = it.labels_ahead_deg.map(|limit_deg| {
+                format!(
+                    "The labels of {} reach {limit_deg} degrees to either side of forward, says the user (--labels-ahead).",
+                    it.id
+                )
+            });
+            doubts.chain(overruled).chain(ahead).collect::<Vec<_>>()
         };
         let of_detector = |it: &DetectorEntry| {
             let doubts = it.doubts.iter();
@@ -370,6 +390,11 @@ impl Manifest {
         };
         let of_datasets = self.datasets.iter().flat_map(of_dataset);
         of_datasets.chain(self.detectors.iter().flat_map(of_detector)).collect()
+    }
+
+    /// The repository whose commits tell runs apart: that of the project of the user or, without one, of the program.
+    pub fn versioned_by(&self) -> Option<&GitState> {
+        self.project.as_ref().or(self.git.as_ref())
     }
 
     /// Name of a unit that is judged by itself, for people.

@@ -216,7 +216,7 @@ impl Notes {
         let sentence = match mark {
             Mark::Recorded => return "recorded: from a sensor.".to_owned(),
             Mark::Simulated => return "simulated: from a simulator, not recorded.".to_owned(),
-            Mark::NotPublic => "Budapest recordings, not public.",
+            Mark::NotPublic => "Budapest recordings, not public; overall with those of KITTI.",
             Mark::BusyMachine => "unreliable: the machine was busy.",
             Mark::FewScans => "from too few scans to be reliable: p95 needs 59, p99 needs 299.",
             Mark::FewBlocks => {

@@ -113,7 +113,7 @@ pub fn accept(
     let target = directory.join(ACCEPTED_RUN);
     let before = predecessor(&target, |before| check_comparable(before, run));
     let line = line_after(before, acceptance.succession, |before| {
-        let git = run.manifest.git.as_ref();
+        let git = run.manifest.versioned_by();
         let objects = scores_of_objects(before.map_or(&[], |it| &it.objects[..]), &run.objects);
         history_line(acceptance, git, &(scores(before, run) + &objects))
     })?;
@@ -236,10 +236,7 @@ fn history_with(path: &Path, head: &str, line: &str) -> Result<String, AcceptErr
 
 /// A line of a history: when, what commit, which scores, and why.
 fn history_line(acceptance: Acceptance<'_>, git: Option<&GitState>, scores: &str) -> String {
-    let commit = git.map_or_else(String::new, |it| {
-        let short: String = it.commit.chars().take(7).collect();
-        format!(", {short}")
-    });
+    let commit = git.map_or_else(String::new, |it| format!(", {}", it.in_short()));
     // One line, whatever the reason.
     let why = acceptance.why.split_whitespace().collect::<Vec<_>>().join(" ");
     format!("- {}{commit}{scores}. {}.", acceptance.date, why.trim_end_matches('.'))

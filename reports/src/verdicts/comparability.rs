@@ -38,6 +38,8 @@ pub fn check_comparable(baseline: &RunArchive, run: &RunArchive) -> Result<(), N
     let mut reasons = differences_of_rules_and_data(&baseline.manifest, &run.manifest);
     if reasons.is_empty() {
         reasons.extend(scans(baseline, run));
+    } else {
+        reasons.extend(changed_scan(baseline, run));
     }
     if reasons.is_empty() {
         reasons.extend(missing_detectors(baseline, run));
@@ -54,7 +56,9 @@ pub fn check_comparable(baseline: &RunArchive, run: &RunArchive) -> Result<(), N
 /// [`NotComparable`] with everything that differs.
 pub fn check_joinable(run: &RunArchive, added: &RunArchive) -> Result<(), NotComparable> {
     let (before, now) = (&run.manifest, &added.manifest);
-    let mut reasons = differences_of_rules_and_data(before, now);
+    // One program has one set of rules; some versions of it are only for detectors that are not built in.
+    let by_same_rules = Manifest { scoring_version: now.scoring_version, ..before.clone() };
+    let mut reasons = differences_of_rules_and_data(&by_same_rules, now);
     let mut compare = |what: &str, before: &dyn Display, now: &dyn Display| {
         let [before, now] = [before, now].map(ToString::to_string);
         if before != now {
@@ -161,6 +165,11 @@ fn difference(before: &DatasetEntry, now: &DatasetEntry) -> Option<String> {
         {
             return Some(format!("the word {word:?} in the labels of {id} meant {old}, and now means {new}"));
         }
+    }
+    if before.labels_ahead_deg != now.labels_ahead_deg {
+        return Some(format!(
+            "how far to either side of forward the labels of {id} reach changed (--labels-ahead)"
+        ));
     }
     if before.blocks != now.blocks {
         return Some(format!("the blocks of scans of {id} that intervals are drawn from changed"));

@@ -1,5 +1,7 @@
 //! When a detection is good enough for an annotation, and the cost of the pair.
 
+use std::collections::BTreeSet;
+
 use detector::{Detections, OrientedBox};
 use reports::vocabulary::criterion::CriterionKind;
 use scans::annotation::LabeledScan;
@@ -95,13 +97,41 @@ fn pairs_by_points(
         let shared = overlap.of_annotation(annotation_idx).iter();
         shared.filter_map(move |&(detection_idx, n_shared)| {
             let n_detection = detections.get(detection_idx).point_indices.len();
-            let n_union = annotation.point_indices.len() + n_detection - n_shared;
+            let n_of_others = n_points_of_others(scan, detections, overlap, [annotation_idx, detection_idx]);
+            let n_union = annotation.point_indices.len() + n_detection - n_shared - n_of_others;
             let iou = n_shared as f64 / n_union as f64;
             // Not by the cost, which is rounded: 1 − (1 − 0.1) is less than 0.1.
             (iou >= min_iou).then_some(AdmissiblePair { annotation_idx, detection_idx, cost: 1.0 - iou })
         })
     });
     pairs.collect()
+}
+
+/// How many points a detection that is a box has only since boxes of labels overlap: points in the box of the annotation that
+/// belong to another annotation, as [`points_of_boxes`] has decided. They speak neither for the detection nor against it, so
+/// that the box of the label itself has an intersection over union of 1.
+///
+/// [`points_of_boxes`]: scans::dataset::points_of_boxes::points_of_boxes
+fn n_points_of_others(
+    scan: &LabeledScan,
+    detections: &Detections,
+    overlap: &PointOverlap,
+    [annotation_idx, detection_idx]: [usize; 2],
+) -> usize {
+    let (annotation, detection) = (&scan.annotations[annotation_idx], detections.get(detection_idx));
+    let Some(bounding_box) = annotation.bounding_box.filter(|_| detection.box_details.has_points_of_box)
+    else {
+        return 0;
+    };
+    let others = overlap.of_detection(detection_idx).iter().filter(|(it, _)| *it != annotation_idx);
+    let of_others = others.flat_map(|&(other_idx, _)| &scan.annotations[other_idx].point_indices);
+    let is_in = |points: &[u32], point_idx: &u32| points.binary_search(point_idx).is_ok();
+    let undecided: BTreeSet<u32> = of_others
+        .copied()
+        .filter(|it| is_in(detection.point_indices, it) && !is_in(&annotation.point_indices, it))
+        .filter(|it| bounding_box.contains(scan.cloud.position_m(*it as usize)))
+        .collect();
+    undecided.len()
 }
 
 fn pairs_by_boxes(
@@ -166,9 +196,11 @@ fn is_apart(first_m: [f64; 2], second_m: [f64; 2], distance_m: f64) -> bool {
 mod tests {
     use super::*;
     use crate::matching::drawn_labels::{annotation, labeled};
-    use detector::{DetectedClass, Detection};
+    use detector::{BoxDetails, DetectedClass, Detection};
     use proptest::prelude::*;
     use reports::vocabulary::class::AnnotationClass;
+    use scans::annotation::points_inside;
+    use scans::dataset::points_of_boxes::assign_points_in_boxes;
 
     fn any_box() -> impl Strategy<Value = OrientedBox> {
         let position = [-6.0_f32..6.0, -6.0..6.0, -1.0..1.0];
@@ -227,5 +259,55 @@ mod tests {
                 }
             }
         }
+
+        /// The box of a label, fed back, agrees with it in full, whatever other labels overlap it.
+        #[test]
+        fn boxes_of_labels_agree_with_their_labels(
+            boxes in boxes(),
+            points in prop::collection::vec(prop::array::uniform3(-4.0_f32..4.0), 0..60),
+        ) {
+            let mut scan = labeled(points, boxes.iter().map(|it| annotation(AnnotationClass::Car, Some(*it), [])));
+            assign_points_in_boxes(&scan.cloud, &mut scan.annotations);
+            let inside: Vec<Vec<u32>> = boxes.iter().map(|it| points_inside(&scan.cloud, it)).collect();
+            let details = BoxDetails { has_points_of_box: true, ..BoxDetails::default() };
+            let echo = |(points, it): (_, &OrientedBox)| Detection {
+                box_details: details,
+                ..Detection::new(points, *it, DetectedClass::Object, None)
+            };
+            let all: Detections = inside.iter().map(Vec::as_slice).zip(&boxes).map(echo).collect();
+            let overlap = PointOverlap::count(&scan, &all);
+            let pairs = Criterion::POINTS.admissible_pairs(&scan, &all, &overlap);
+            for (idx, annotation) in scan.annotations.iter().enumerate() {
+                let echoed = pairs.iter().find(|it| it.annotation_idx == idx && it.detection_idx == idx);
+                let expected = (!annotation.point_indices.is_empty()).then_some(0.0);
+                prop_assert_eq!(echoed.map(|it| it.cost), expected, "{}", idx);
+            }
+        }
+    }
+
+    /// A person beside a car, whose box reaches into the car's: three of its five points are the person's.
+    #[test]
+    fn what_labels_give_to_another_object_is_not_held_against_a_box() {
+        let car =
+            OrientedBox { center_m: [0.2, 0.0, 0.0], length_width_height_m: [0.5, 1.0, 1.0], yaw_rad: 0.0 };
+        let person =
+            OrientedBox { center_m: [0.3, 0.0, 0.0], length_width_height_m: [0.3, 0.5, 1.0], yaw_rad: 0.0 };
+        let boxed = |it| annotation(AnnotationClass::Car, Some(it), []);
+        let mut scan = labeled((0..5).map(|it| [it as f32 * 0.1, 0.0, 0.0]), [boxed(car), boxed(person)]);
+        assign_points_in_boxes(&scan.cloud, &mut scan.annotations);
+        let iou = |points: &[u32], has_points_of_box| {
+            let box_details = BoxDetails { has_points_of_box, ..BoxDetails::default() };
+            let detection =
+                Detection { box_details, ..Detection::new(points, car, DetectedClass::Vehicle, None) };
+            let detections = Detections::from_iter([detection]);
+            let overlap = PointOverlap::count(&scan, &detections);
+            let pairs = Criterion::Points { min_iou: 0.0 }.admissible_pairs(&scan, &detections, &overlap);
+            1.0 - pairs[0].cost
+        };
+        assert_eq!(scan.annotations[0].point_indices, [0, 1]);
+        assert_eq!(iou(&[0, 1, 2, 3, 4], true), 1.0);
+        // A cluster is its points.
+        assert_eq!(iou(&[0, 1, 2, 3, 4], false), 0.4);
+        assert_eq!(iou(&[0, 2, 3, 4], true), 0.5);
     }
 }

@@ -13,10 +13,21 @@ pub const SCORING_VERSION: u32 = 2;
 /// ignored, whatever other points its box holds.
 const SCORING_VERSION_OF_BOXES: u32 = 3;
 
-/// The version of the rules that judge by these `criteria`.
-pub fn scoring_version(criteria: impl IntoIterator<Item = CriterionKind>) -> u32 {
-    let is_by_boxes = criteria.into_iter().any(|it| it != CriterionKind::Points);
-    if is_by_boxes { SCORING_VERSION_OF_BOXES } else { SCORING_VERSION }
+/// The same of a run with detectors that are not built in, if it judges any task by points: since version 4 points of a box that
+/// labels of overlapping boxes give to another object count neither for nor against it.
+const SCORING_VERSION_OF_FOREIGN_BOXES: u32 = 4;
+
+/// The version of the rules that judge by these `criteria`. `has_foreign`: also detectors that are not built in, whose
+/// detections may be boxes without points.
+pub fn scoring_version(criteria: impl IntoIterator<Item = CriterionKind>, has_foreign: bool) -> u32 {
+    let criteria: Vec<CriterionKind> = criteria.into_iter().collect();
+    if has_foreign && criteria.contains(&CriterionKind::Points) {
+        SCORING_VERSION_OF_FOREIGN_BOXES
+    } else if criteria.iter().any(|it| *it != CriterionKind::Points) {
+        SCORING_VERSION_OF_BOXES
+    } else {
+        SCORING_VERSION
+    }
 }
 
 /// Counts of one task over any number of scans. Sums first, ratios last: a ratio of sums, never a mean of ratios.

@@ -1,10 +1,9 @@
 //! The points of a scan in a file in shared memory that detectors map.
 
-use std::fs::{File, OpenOptions};
+use std::fs::File;
 use std::io;
-use std::os::unix::fs::{FileExt as _, OpenOptionsExt as _};
+use std::os::unix::fs::FileExt as _;
 use std::path::{Path, PathBuf};
-use std::sync::atomic::{AtomicU32, Ordering};
 
 use detector::PointCloud;
 use reports::files::unfinished::{Kind, Unfinished};
@@ -17,8 +16,6 @@ const ALIGNMENT: usize = 64;
 const MOST_COLUMNS: usize = 6;
 /// Folder of files in memory; where it is missing, ordinary temporary files are used.
 const IN_MEMORY: &str = "/dev/shm";
-
-static N_FILES: AtomicU32 = AtomicU32::new(0);
 
 /// A file with room for the points of a scan.
 pub struct SharedCloud {
@@ -44,10 +41,17 @@ impl SharedCloud {
     pub fn with_room(max_points: usize) -> io::Result<Self> {
         let folder =
             if Path::new(IN_MEMORY).is_dir() { PathBuf::from(IN_MEMORY) } else { std::env::temp_dir() };
-        let number = N_FILES.fetch_add(1, Ordering::Relaxed);
-        let path = folder.join(format!("scanbench-{}-{number}", std::process::id()));
-        let create = || OpenOptions::new().read(true).write(true).create_new(true).mode(0o600).open(&path);
-        let (entry, file) = Unfinished::begin(Kind::File, create, |_| path.clone()).map_err(about_memory)?;
+        // Nobody can guess the name, and nobody else can read the file.
+        let create = || {
+            tempfile::Builder::new()
+                .prefix("scanbench-")
+                .rand_bytes(16)
+                .tempfile_in(&folder)?
+                .keep()
+                .map_err(|it| it.error)
+        };
+        let (entry, (file, path)) =
+            Unfinished::begin(Kind::File, create, |(_, path)| path.clone()).map_err(about_memory)?;
         let n_bytes = MOST_COLUMNS * column_bytes(max_points);
         let shared = Self { file, max_points, name: Some((path, entry)), bytes: Vec::new(), end: 0 };
         shared.file.set_len(n_bytes.max(1) as u64).map_err(about_memory)?;
@@ -189,6 +193,17 @@ mod tests {
             shared.file.read_exact_at(&mut bytes, columns[2].offset as u64).unwrap();
             assert!(bytes.as_chunks::<4>().0.iter().all(|it| *it == (cloud.len() as f32).to_le_bytes()));
         }
+    }
+
+    #[test]
+    fn nobody_else_reads_it_or_guesses_its_name() {
+        use std::os::unix::fs::PermissionsExt as _;
+
+        let shared = [0, 0].map(|it| SharedCloud::with_room(it).unwrap());
+        let paths = shared.each_ref().map(|it| it.path().unwrap());
+        assert_eq!(shared[0].file.metadata().unwrap().permissions().mode() & 0o777, 0o600);
+        let letters = |path: &Path| path.file_name().unwrap().len() - "scanbench-".len();
+        assert!(paths[0] != paths[1] && letters(paths[0]) == 16, "{paths:?}");
     }
 
     #[test]

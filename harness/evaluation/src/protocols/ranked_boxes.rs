@@ -91,16 +91,21 @@ fn candidates<Rules: RankedRules>(objects: Vec<OfficialObject>, labels: &[Offici
     candidates
 }
 
-/// The evaluated class of objects that files call `name`: by the makers of the protocol or, for a name of another data set,
-/// by our class for it.
+/// The evaluated class of objects that files call `name`: by the makers of the protocol, in any spelling or, for a name of
+/// another data set, by our class for it.
 pub(super) fn class_evaluated<Rules: RankedRules>(name: &str) -> Option<&'static str> {
-    let of_others = || Rules::class_of(common_name(name)?);
-    Rules::class_of(name).or_else(|| if Rules::is_own_name(name) { None } else { of_others() })
+    let in_any_spelling = || {
+        let (plain, classes) = (plain_name(name), Rules::PROTOCOL.ranked_classes());
+        classes.iter().copied().find(|it| plain_name(it) == plain)
+    };
+    let of_others = || Rules::class_of(common_name(name, Rules::PROTOCOL)?);
+    Rules::class_of(name)
+        .or_else(|| if Rules::is_own_name(name) { None } else { in_any_spelling().or_else(of_others) })
 }
 
-/// A name that protocols know for a `name` of another data set: that of our class, if this is specific enough. Our classes
-/// put bicycles, motorcycles and scooters together, and cones and barrels.
-fn common_name(name: &str) -> Option<&'static str> {
+/// A name that `protocol` knows for a `name` of another data set: that of our class, if this is specific enough, or the word
+/// that the user gave a class of theirs. Our classes put bicycles, motorcycles and scooters together, and cones and barrels.
+fn common_name(name: &str, protocol: Protocol) -> Option<&'static str> {
     use AnnotationClass as Class;
     let plain = plain_name(name);
     match class_named(name)? {
@@ -115,6 +120,13 @@ fn common_name(name: &str) -> Option<&'static str> {
             Some(class.name())
         }
         Class::StreetFurniture if plain.contains("cone") => Some("traffic_cone"),
+        class @ Class::Own(_) => {
+            let written = &class.traits().written;
+            match protocol {
+                Protocol::Argoverse2 => written.argoverse2.as_deref(),
+                _ => written.nuscenes.as_deref(),
+            }
+        }
         _ => None,
     }
 }
@@ -188,6 +200,7 @@ mod tests {
     use proptest::prelude::*;
     use reports::rows::scan_name::ScanName;
     use reports::vocabulary::class::AnnotationClass;
+    use reports::vocabulary::class_traits::{ClassTraits, WrittenWords};
     use scans::annotation::{Annotation, LabeledScan, ScanId};
 
     /// Cars of one point at these positions.
@@ -255,6 +268,15 @@ mod tests {
         check("movable_object.barrier", Some("barrier"), None);
         // Nor these.
         check("vehicle.emergency.police", None, Some("REGULAR_VEHICLE"));
+        // Other spellings of them.
+        check("construction vehicle", Some("construction_vehicle"), None);
+        check("traffic-cone", Some("traffic_cone"), Some("CONSTRUCTION_CONE"));
+        check("Box Truck", Some("truck"), Some("BOX_TRUCK"));
+        check("construction cone", Some("traffic_cone"), Some("CONSTRUCTION_CONE"));
+        // A class of a user, whose word for the one is known, and for the other not.
+        let written = WrittenWords { nuscenes: Some("truck".to_owned()), ..WrittenWords::default() };
+        AnnotationClass::define("tow-tractor", ClassTraits { written, ..ClassTraits::default() }).unwrap();
+        check("tow-tractor", Some("truck"), None);
         // Ours.
         check("car", Some("car"), Some("REGULAR_VEHICLE"));
         check("parked-cycle", Some("bicycle"), Some("BICYCLE"));

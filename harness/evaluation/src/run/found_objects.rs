@@ -131,7 +131,8 @@ impl ForeignVehicles {
     ) -> Result<(), ObjectProblem> {
         let mut points_along_x = None;
         let mut prepared = Vec::with_capacity(objects.len());
-        for object in objects {
+        for mut object in objects {
+            object.box_details.has_points_of_box = object.point_indices.is_none();
             let points = match (object.point_indices, object.bounding_box) {
                 (Some(points), _) => points,
                 (None, Some(bounding_box)) => {

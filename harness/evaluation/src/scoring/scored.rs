@@ -98,7 +98,7 @@ pub fn score(request: &ScoreRequest, payload: &[u8], mut config: RunConfig) -> R
     };
     let slice = |(name, bounds): (String, SliceBounds)| Some((OwnSlice::named(&name)?, bounds));
     let mut scored = Scored {
-        scoring_version: scoring_version(criteria),
+        scoring_version: scoring_version(criteria, true),
         scans: Vec::new(),
         matches: Vec::new(),
         tally: Tally::default().with_slices(config.slices.all().into_iter().filter_map(slice).collect()),

@@ -46,4 +46,7 @@ Examples:
   scanbench data hash ~/data/kitti_tracking
   scanbench data hash my-drive --catalogue my-datasets.toml --write
 
-If the catalogue has a checksum, every verb refuses data that differ from it.";
+The checksum is of the content of labels, and of the names and sizes of files with scans,
+which would take long to read. If the catalogue has one, every verb refuses data that
+differ from it. scans.csv of a run has a checksum of the content of every scan, by which
+`gate` and `compare` see any change.";

@@ -39,7 +39,7 @@ pub use data_prelabel::PrelabelArgs;
 pub use detectors::detector_names;
 pub use experiment::{ExperimentArgs, experiment_detectors_help};
 pub use gate::{AcceptArgs, BaselineCommand, BaselineInitArgs, GateArgs};
-pub use output::OutputArgs;
+pub use output::{NoRecordingArgs, OutputArgs};
 pub use parameters::{ConfigArgs, CriterionName, MatchingArgs};
 pub use partial::{LearnedFrom, PartialArgs};
 pub use protocols::ProtocolArgs;

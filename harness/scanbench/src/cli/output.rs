@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use clap::Args;
 
-use super::help_text::OUTPUT;
+use super::help_text::{OUTPUT, VIEWER};
 
 /// Where a verb leaves its files.
 #[derive(Debug, Args)]
@@ -16,4 +16,13 @@ pub struct OutputArgs {
     /// Replace the directory if it exists
     #[arg(long)]
     pub overwrite: bool,
+}
+
+/// The option of studies without a recording, so that a script may give it to all studies.
+#[derive(Debug, Clone, Args)]
+#[command(next_help_heading = VIEWER)]
+pub struct NoRecordingArgs {
+    /// Allowed, as in all studies: this one never writes a Rerun recording
+    #[arg(long, hide_short_help = true)]
+    pub no_rrd: bool,
 }

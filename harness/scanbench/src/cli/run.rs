@@ -59,7 +59,7 @@ pub struct RunArgs {
         conflicts_with_all = [
             "datasets", "scans", "config", "parameters", "criterion", "only", "protocols", "output", "overwrite", "shard",
             "skip_damaged", "labels_are_right", "mcap", "detections_out", "result_format", "save_rrd", "connect", "serve",
-            "spawn", "blocks", "repeats", "warmup", "jobs", "seed", "simulated_scans", "sensor", "sensor_height", "transform",
+            "spawn", "blocks", "repeats", "warmup", "jobs", "seed", "simulated_scans", "sensor", "sensor_height", "labels_ahead", "transform",
             "columns", "classes", "on_detector_failure", "count"
         ]
     )]

@@ -87,6 +87,12 @@ pub struct SourceArgs {
     /// them; in metres and radians. It moves points and boxes.
     #[arg(long, value_name = "FILE", hide_short_help = true)]
     pub transform: Option<PathBuf>,
+    /// Labels reach only so many degrees to either side of forward, as where a camera's view was labelled; detections beyond are
+    /// ignored [default: as the format has it]
+    ///
+    /// Labels beyond are taken away. The protocols of --protocol, which have their makers' rules, take all labels.
+    #[arg(long, value_name = "DEG", value_parser = degrees_to_either_side, hide_short_help = true)]
+    pub labels_ahead: Option<f32>,
     /// Columns of points in `.bin` and `.npy` files, such as `x,y,z,intensity,ring` [default: by what the numbers look like]
     ///
     /// x, y, z, intensity and ring in the order of the file; `_` stands for a column that is not read.
@@ -158,6 +164,15 @@ pub fn sensor_help() -> String {
 fn sensor_height_m(text: &str) -> Result<f32, String> {
     let height_m: f32 = text.parse().map_err(|_| "not a number".to_owned())?;
     if (0.0..=100.0).contains(&height_m) { Ok(height_m) } else { Err("not within 0 to 100 m".to_owned()) }
+}
+
+fn degrees_to_either_side(text: &str) -> Result<f32, String> {
+    let degrees: f32 = text.parse().map_err(|_| "not a number".to_owned())?;
+    if degrees > 0.0 && degrees <= 180.0 {
+        Ok(degrees)
+    } else {
+        Err("not within 0 to 180 degrees".to_owned())
+    }
 }
 
 #[cfg(test)]

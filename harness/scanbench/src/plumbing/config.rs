@@ -10,6 +10,7 @@ use evaluation::run::detector_list::{ChosenDetector, ListedDetector, built_in_na
 use evaluation::run::foreign_detector::{ForeignDetector, ForeignWork, VehicleRule};
 use evaluation::run::kept_names::kept;
 use scans::dataset::DatasetDescription;
+use scans::dataset::class_table::ClassTable;
 
 use crate::cli::{ConfigArgs, CriterionName, MatchingArgs, NamedResults};
 use crate::plumbing::failure::{Failure, Usage};
@@ -73,13 +74,14 @@ pub fn chosen_with_results(
     Ok((chosen, config))
 }
 
-/// Refuses directories of models that none of `compared_detectors` reads with its parameters: they would have no effect.
+/// Refuses directories of models that the command line or its file names, and that none of `compared_detectors` reads with its
+/// parameters: they would have no effect. The file of a project is for many commands.
 pub fn refuse_unread_models<'a>(
     compared_detectors: impl Iterator<Item = (&'a ChosenDetector, &'a RunConfig)>,
 ) -> Result<(), Failure> {
     let compared_detectors: Vec<(&ChosenDetector, &RunConfig)> = compared_detectors.collect();
     for model in TrainedModel::ALL {
-        let directory = compared_detectors.iter().find_map(|(_, config)| config.directory_of(model));
+        let directory = compared_detectors.iter().find_map(|(_, config)| config.directory_asked_for(model));
         let is_read = compared_detectors.iter().any(|(chosen, config)| {
             chosen.vehicle_model(config).is_some_and(|it| it.parameter() == model.parameter())
                 // Without the models of vehicles, the one that comes with the program makes the boxes.
@@ -158,9 +160,22 @@ pub fn choose_matching(config: &mut RunConfig, matching: &MatchingArgs) -> Resul
 pub fn load(arguments: &ConfigArgs) -> Result<RunConfig, Failure> {
     let found = if arguments.config.is_some() { None } else { configuration_file() };
     if let Some(found) = &found {
-        print_detail(format_args!("Configuration: {}", found.display()));
+        let said = format!("Configuration: {}", found.display());
+        // What lies in the folder itself is seen there.
+        let is_here = std::env::current_dir().is_ok_and(|it| found.parent() == Some(&it));
+        if is_here { print_detail(said) } else { print_diagnostic(said) }
     }
-    Ok(RunConfig::load(arguments.config.as_deref().or(found.as_deref()))?)
+    Ok(match &found {
+        Some(found) => RunConfig::of_project(found)?,
+        None => RunConfig::load(arguments.config.as_deref())?,
+    })
+}
+
+/// Meanings of class names in the nearest [`CONFIGURATION_FILE`], for verbs that take nothing else from it. Its own classes are
+/// known from then on.
+pub fn classes_of_project() -> Result<ClassTable, Failure> {
+    let found = configuration_file();
+    Ok(found.map(|it| RunConfig::classes_in(&it)).transpose()?.unwrap_or_default())
 }
 
 /// The nearest [`CONFIGURATION_FILE`] in the working directory or above it.

@@ -73,20 +73,6 @@ pub struct NothingEvaluated {
 #[error("gate {}", .0.in_words())]
 pub struct GateClosed(pub Conclusion);
 
-/// A run is worse than an earlier one of its history; what is worse has been printed.
-#[derive(Debug, thiserror::Error)]
-#[error("{n_worse} of its numbers worse than tolerated, compared with the run of --since")]
-pub struct WorseSince {
-    /// How many numbers are worse than tolerated.
-    pub n_worse: usize,
-}
-
-impl From<WorseSince> for Failure {
-    fn from(error: WorseSince) -> Self {
-        Self::Regression(error.into())
-    }
-}
-
 impl From<SinceError> for Failure {
     fn from(error: SinceError) -> Self {
         match error {
@@ -99,12 +85,18 @@ impl From<SinceError> for Failure {
 /// A run that is to be accepted is worse than the one before; the verdict has been printed.
 #[derive(Debug, thiserror::Error)]
 #[error(
-    "{} worse than tolerated, compared with the accepted run; --worse accepts the run all the same",
-    if *n_worse == 1 { "1 number is".to_owned() } else { format!("{n_worse} numbers are") }
+    "{} worse than tolerated, compared with the accepted run{}; --worse accepts the run all the same",
+    if *n_worse == 1 { "1 number is".to_owned() } else { format!("{n_worse} numbers are") },
+    match n_worse - n_sure {
+        0 => String::new(),
+        n => format!(" ({n_sure} surely, {n} inconclusive)"),
+    }
 )]
 pub struct WorseThanAccepted {
     /// How many numbers are worse than tolerated.
     pub n_worse: usize,
+    /// How many of them surely, as `gate` judges.
+    pub n_sure: usize,
 }
 
 /// A request that makes no sense.
@@ -333,7 +325,7 @@ impl From<ArchiveError> for Failure {
 impl From<GateClosed> for Failure {
     fn from(error: GateClosed) -> Self {
         match error.0 {
-            Conclusion::Regression => Self::Regression(error.into()),
+            Conclusion::Regression | Conclusion::WorseSince => Self::Regression(error.into()),
             Conclusion::Incomparable => Self::NotComparable(error.into()),
             Conclusion::Drift => Self::Drift(error.into()),
             Conclusion::AllowedDrift | Conclusion::Same => unreachable!("a run that passes is no failure"),

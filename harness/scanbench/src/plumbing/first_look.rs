@@ -35,9 +35,8 @@ const SUSPECT_HEIGHT_M: f64 = 0.5;
 /// A height is taken from the scans if it differs by more than this, in metres; in the format of a benchmark, whose height
 /// is known, only if it is suspect.
 const OTHER_HEIGHT_M: f64 = 0.25;
-/// A steeper tilt is of the sensor and not of the street, in degrees. It is levelled unless the height or the transform of
-/// the sensor is stated, and suspect if one is. In front of crossings and on crowned roads, sensors that stand upright see
-/// up to 2.2 degrees.
+/// A steeper tilt is of the sensor and not of the street, in degrees. It is levelled unless the transform of the sensor is
+/// stated, and suspect if it is. In front of crossings and on crowned roads, sensors that stand upright see up to 2.2 degrees.
 const STEEP_TILT_DEG: f64 = 4.0;
 /// The first part of the name of a sensor with unknown beams; the name of its data set follows.
 pub const UNKNOWN_SENSOR: &str = "unknown sensor of ";
@@ -337,7 +336,7 @@ impl Look {
         if tilt_deg <= STEEP_TILT_DEG {
             return;
         }
-        if self.stated.height || self.stated.transform {
+        if self.stated.transform {
             self.suspicions.push(FrameSuspicion::Tilt(tilt_deg));
         } else {
             self.mounting.sensor_from_file = Some(ground.levelling());

@@ -57,6 +57,7 @@ pub fn refuse_idle_options(
         ("--simulated-scans", source.simulated_scans.is_some(), has_dataset, of_datasets),
         ("--sensor", source.sensor.is_some(), has_dataset, of_datasets),
         ("--sensor-height", source.sensor_height.is_some(), has_dataset, of_datasets),
+        ("--labels-ahead", source.labels_ahead.is_some(), has_dataset, of_datasets),
         ("--columns", source.columns.is_some(), has_files, "files of scans, and none are given"),
         ("--transform", source.transform.is_some(), has_dataset, of_datasets),
         ("--registered", choice.registered, has_dataset, of_datasets),

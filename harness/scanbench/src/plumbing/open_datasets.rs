@@ -44,6 +44,8 @@ pub struct OpenedDataset {
     pub points_left_out: PointsLeftOut,
     /// Classes that the user gave to names in its labels.
     pub classes: ClassTable,
+    /// How far to either side of forward its labels reach, in degrees, if the user said so.
+    pub labels_ahead_deg: Option<f32>,
     /// SHA-256 of the file that names blocks of its scans, if the user gave one.
     pub blocks_checksum: Option<String>,
     /// Facts about its sensor that are stated.
@@ -67,6 +69,7 @@ impl OpenedDataset {
             skipped: RefCell::default(),
             points_left_out,
             classes: ClassTable::default(),
+            labels_ahead_deg: None,
             blocks_checksum: None,
             stated: Stated::ALL,
             first_look: FirstLook::default(),
@@ -221,6 +224,7 @@ pub fn open_datasets_past_damage(
             skipped: RefCell::new(skipped),
             points_left_out,
             classes: options.of_files().classes_of(name, &catalogue).table,
+            labels_ahead_deg: options.labels_ahead_deg,
             blocks_checksum: None,
             stated,
             first_look: FirstLook::default(),
@@ -282,10 +286,17 @@ pub fn stated(
 ) -> Result<Stated, Failure> {
     let folder = description.root.as_deref().filter(|it| it.is_dir());
     let has_sheet = folder.map(DataSheet::in_folder).transpose()?.flatten().is_some();
-    if has_sheet || catalogue.ids().any(|it| it == name) {
-        return Ok(Stated::ALL);
-    }
-    Ok(Stated::by_options(source))
+    let by_options = Stated::by_options(source);
+    let is_of_user = source.catalogue.catalogue.is_some();
+    Ok(match catalogue.recorded.get(name) {
+        // An entry of the user says as much as options do: without it the same is learned from the scans.
+        Some(entry) if is_of_user && !has_sheet => {
+            let sensor = by_options.sensor || entry.names_sensor;
+            Stated { sensor, height: true, ..by_options }
+        }
+        _ if has_sheet || catalogue.ids().any(|it| it == name) => Stated::ALL,
+        _ => by_options,
+    })
 }
 
 /// The names of classes that `source` has.
@@ -307,6 +318,7 @@ pub fn open_options(source: &SourceArgs, of_config: &ClassTable) -> Result<OpenO
         n_simulated_scans: source.simulated_scans,
         sensor: source.sensor.clone(),
         sensor_height_m: source.sensor_height,
+        labels_ahead_deg: source.labels_ahead,
         columns: source.columns.clone(),
         sensor_from_file: source.transform.as_deref().map(read_transform).transpose()?,
         topics: TopicChoice { cloud: source.topic.clone(), annotations: source.annotation_topic.clone() },

@@ -1,5 +1,7 @@
 //! Where and with what a run was made.
 
+use std::process::{Command, Stdio};
+
 use jiff::Timestamp;
 use reports::run_folder::manifest::{GitState, Machine};
 use scans::dataset::checksum::sha256;
@@ -16,6 +18,21 @@ pub fn git_state() -> Option<GitState> {
     let commit = env!("SCANBENCH_GIT_COMMIT");
     (!commit.is_empty())
         .then(|| GitState { commit: commit.to_owned(), dirty: env!("SCANBENCH_GIT_DIRTY") == "true" })
+}
+
+/// The git repository around the working directory, such as that of a user's detector; `None` outside of one, or without git.
+/// Files that git does not know are no changes: results of runs are such.
+pub fn project_state() -> Option<GitState> {
+    let git = |arguments: &[&str]| {
+        // A program that watches the files is none of ours, and reading leaves no locks.
+        let mut command = Command::new("git");
+        command.args(["-c", "core.fsmonitor=false"]).args(arguments).env("GIT_OPTIONAL_LOCKS", "0");
+        let ended = command.stdin(Stdio::null()).stderr(Stdio::null()).output().ok()?;
+        ended.status.success().then(|| String::from_utf8_lossy(&ended.stdout).trim().to_owned())
+    };
+    let commit = git(&["rev-parse", "--verify", "--quiet", "HEAD"])?;
+    let changes = git(&["status", "--porcelain", "--untracked-files=no"])?;
+    Some(GitState { commit, dirty: !changes.is_empty() })
 }
 
 /// SHA-256 of the program's own bytes: a version, or a commit with changes on top, would not distinguish two builds.

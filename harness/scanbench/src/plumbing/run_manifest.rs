@@ -25,7 +25,9 @@ use simulator::street_conditions::StreetConditions;
 
 use crate::plumbing::failure::Usage;
 use crate::plumbing::open_datasets::OpenedDataset;
-use crate::plumbing::provenance::{command_line, git_state, machine, rfc3339_utc, rustc_version};
+use crate::plumbing::provenance::{
+    command_line, git_state, machine, project_state, rfc3339_utc, rustc_version,
+};
 use crate::plumbing::recorder::rerun_version;
 
 pub struct RunSettings<'a> {
@@ -49,7 +51,10 @@ pub fn run_manifest(settings: RunSettings<'_>) -> Manifest {
     let matching = &settings.config.matching;
     Manifest {
         schema: SCHEMA,
-        scoring_version: scoring_version(criteria_of(settings.config)),
+        scoring_version: scoring_version(
+            criteria_of(settings.config),
+            settings.detectors.iter().any(|it| it.foreign.is_some()),
+        ),
         scanbench_version: env!("CARGO_PKG_VERSION").to_owned(),
         created: rfc3339_utc(settings.started),
         argv: command_line(),
@@ -66,6 +71,7 @@ pub fn run_manifest(settings: RunSettings<'_>) -> Manifest {
         detectors: settings.detectors,
         config: json(&settings.config.resolved),
         git: git_state(),
+        project: project_state(),
         rustc_version: rustc_version(),
         rerun_version: rerun_version(),
         machine: machine(),
@@ -241,6 +247,7 @@ pub fn dataset_entry(opened: &OpenedDataset, selection: Option<&str>) -> Dataset
         doubts,
         overruled_doubts,
         classes: opened.classes.written(),
+        labels_ahead_deg: opened.labels_ahead_deg,
         n_points_left_out: opened.points_left_out.n_points_in(&opened.scan_indices) as u64,
         selection: selection.map(str::to_owned),
         blocks: blocks(opened),

@@ -14,7 +14,9 @@ use reports::tables::studies::ablation_table::AblationTable;
 use reports::vocabulary::study::Study;
 
 use crate::cli::help_text::DETECTORS;
-use crate::cli::{BlocksArgs, ConfigArgs, DatasetArgs, MatchingArgs, OutputArgs, ShardArgs, TimingArgs};
+use crate::cli::{
+    BlocksArgs, ConfigArgs, DatasetArgs, MatchingArgs, NoRecordingArgs, OutputArgs, ShardArgs, TimingArgs,
+};
 use crate::plumbing::config::{built_in_methods, choose_matching, refuse_unread_models};
 use crate::plumbing::failure::Failure;
 use crate::plumbing::first_look::look_first_at_all;
@@ -22,6 +24,7 @@ use crate::plumbing::judged_streets::advise_on_judged;
 use crate::plumbing::named_blocks::with_named_blocks;
 use crate::plumbing::open_datasets::open_datasets;
 use crate::plumbing::paper_files::{write_figure, write_table};
+use crate::plumbing::recorder::say_that_none_is_written;
 use crate::plumbing::scan_study::{Printed, ScanStudy, make_study};
 use crate::plumbing::shards::whole_run::WholeRun;
 use crate::plumbing::shards::work_output::WorkOutput;
@@ -58,6 +61,9 @@ pub struct AblationArgs {
     /// What runs beside what.
     #[command(flatten)]
     pub timing: TimingArgs,
+    /// That it has no recording.
+    #[command(flatten)]
+    pub recording: NoRecordingArgs,
 }
 
 const ABLATION_EXAMPLES: &str = "\
@@ -79,6 +85,7 @@ const ABLATION_CSV: &str = "ablation.csv";
 /// Runs the hierarchical detector whole and without each of its parts on the same scans, writes the run directory and prints
 /// the table; or makes a shard of that.
 pub fn ablation(arguments: &AblationArgs) -> Result<(), Failure> {
+    say_that_none_is_written(&arguments.recording, "ablation");
     let output = WorkOutput::claim(Study::Ablation, arguments.shard.shard, &arguments.output)?;
     make_study(&mut open_ablation(arguments, output.started)?, output, write_ablation)
 }

@@ -65,13 +65,16 @@ fn judged_by(
     };
     let sides = [path, directory].map(|it| it.display().to_string());
     let brief = Brief { verdict: &verdict, sides: [&sides[0], &sides[1]], purpose: Purpose::Accept };
-    Ok(Some(Judged { text: terminal().text(&brief), n_worse: verdict.n_worse() }))
+    let n_worse = verdict.n_worse();
+    Ok(Some(Judged { text: terminal().text(&brief), n_worse, n_sure: n_worse - verdict.n_unsure() }))
 }
 
 /// A verdict on a run that is to be accepted.
 struct Judged {
     text: String,
     n_worse: usize,
+    /// How many of them surely.
+    n_sure: usize,
 }
 
 fn refuse_existing(path: &Path) -> Result<(), Failure> {
@@ -113,7 +116,8 @@ pub fn baseline_accept(arguments: &AcceptArgs) -> Result<(), Failure> {
         if let Some(judged) = judged_by(directory, before, &run, &arguments.run)? {
             print_text(&judged.text)?;
             if judged.n_worse > 0 && !arguments.worse {
-                return Err(WorseThanAccepted { n_worse: judged.n_worse }.into());
+                let Judged { n_worse, n_sure, .. } = judged;
+                return Err(WorseThanAccepted { n_worse, n_sure }.into());
             }
         }
     }

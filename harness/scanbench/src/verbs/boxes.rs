@@ -20,7 +20,7 @@ use reports::tables::formats::format::Format as _;
 use reports::tables::studies::box_error_row::{BoxErrorRow, BoxPointsRow, FittedBoxRow, MatchedVehicle};
 use reports::tables::studies::box_table::BoxTable;
 
-use crate::cli::{BlocksArgs, ConfigArgs, DatasetArgs, MatchingArgs, OutputArgs};
+use crate::cli::{BlocksArgs, ConfigArgs, DatasetArgs, MatchingArgs, NoRecordingArgs, OutputArgs};
 use crate::plumbing::config::{built_in_detectors, choose_matching, warn_of_unknown_sensor};
 use crate::plumbing::failure::{Failure, NothingEvaluated};
 use crate::plumbing::first_look::look_first_at_all;
@@ -29,6 +29,7 @@ use crate::plumbing::named_blocks::with_named_blocks;
 use crate::plumbing::open_datasets::{OpenedDataset, ids_of, open_datasets};
 use crate::plumbing::paper_files::{write_figure, write_table};
 use crate::plumbing::provenance::compact_utc;
+use crate::plumbing::recorder::say_that_none_is_written;
 use crate::plumbing::run_directory::begin_run_directory;
 use crate::plumbing::run_manifest::{RunSettings, detector_entry, run_manifest};
 use crate::plumbing::standard_streams::{print_result_in, terminal};
@@ -52,6 +53,9 @@ pub struct BoxesArgs {
     /// Where tables and plots are written.
     #[command(flatten)]
     pub output: OutputArgs,
+    /// That it has no recording.
+    #[command(flatten)]
+    pub recording: NoRecordingArgs,
 }
 
 const BOXES_EXAMPLES: &str = "\
@@ -81,6 +85,7 @@ const NOTES: [&str; 2] = [
 
 /// Fits boxes in several ways to the same matched clusters, and writes and prints how far they are from annotated ones.
 pub fn boxes(arguments: &BoxesArgs) -> Result<(), Failure> {
+    say_that_none_is_written(&arguments.recording, "boxes");
     let interrupted = interruption_flag();
     let started = Timestamp::now();
     let (detectors, mut config) = built_in_detectors(&arguments.config, &["hierarchical".to_owned()])?;

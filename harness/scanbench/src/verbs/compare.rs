@@ -36,7 +36,8 @@ pub fn compare(arguments: &CompareArgs) -> Result<(), Failure> {
         let problem = "--slices is for runs of detectors; every step of partial clouds is compared anyway";
         return Err(Usage(problem.to_owned()).into());
     }
-    let comparison = match (&arguments.other, arguments.detectors.as_deref()) {
+    let names = arguments.detectors.as_ref().map(|it| whole_names(it, &run));
+    let comparison = match (&arguments.other, names.as_deref()) {
         (Some(other), only) => {
             for name in only.unwrap_or_default() {
                 check_has(&run, name)?;
@@ -57,8 +58,8 @@ pub fn compare(arguments: &CompareArgs) -> Result<(), Failure> {
         print_diagnostic(format_args!("Comparison: {}", directory.finish()?.display()));
     }
     print_text(&text_of(&comparison, arguments))?;
-    if let (Some(other), Some((1.., _))) = (&arguments.other, &comparison.drift) {
-        say_how_to_see(&run, [&arguments.run, other]);
+    if let (Some(other), Some(most_changed)) = (&arguments.other, &comparison.most_changed) {
+        say_how_to_see(&run, [&arguments.run, other], most_changed);
     }
     Ok(())
 }
@@ -74,16 +75,28 @@ fn text_of(comparison: &Comparison, arguments: &CompareArgs) -> String {
     terminal().text(&InShort(comparison))
 }
 
+/// The names of detectors of `run` among `parts`, which commas have split: a name may have some itself.
+fn whole_names(parts: &[String], run: &RunArchive) -> Vec<String> {
+    let is_known = |name: &str| run.scans.iter().any(|it| it.detector == name);
+    let mut names = Vec::new();
+    let mut rest = parts;
+    while !rest.is_empty() {
+        let longest = (2..=rest.len()).rev().find(|n| is_known(&rest[..*n].join(",")));
+        let (name, others) = rest.split_at(longest.unwrap_or(1));
+        names.push(name.join(","));
+        rest = others;
+    }
+    names
+}
+
 /// Says how the changes from one run to the other are seen; points of sweeps and partial clouds have no scene.
-fn say_how_to_see(run: &RunArchive, sides: [&Path; 2]) {
-    let Some(detector) = run.manifest.detectors.first().filter(|_| run.manifest.partial.is_none()) else {
-        return;
-    };
-    if !SweepPage::is_sweep(sides[0]) {
+fn say_how_to_see(run: &RunArchive, sides: [&Path; 2], (detector, task): &(String, String)) {
+    if run.manifest.partial.is_none() && !SweepPage::is_sweep(sides[0]) {
         let [before, after] = sides.map(|it| shell_word(&it.display().to_string()));
         print_diagnostic(format_args!(
-            "Object by object, and in the viewer: scanbench view {before} {after} -d {} --task objects",
-            shell_word(&detector.name)
+            "Object by object, and in the viewer: scanbench view {before} {after} -d {} --task {}",
+            shell_word(detector),
+            shell_word(task)
         ));
     }
 }

@@ -19,10 +19,11 @@ use simulator::object_pair::{PairKind, PairLayout};
 use simulator::simulated_street::sensor_named;
 
 use crate::cli::help_text::DATA;
-use crate::cli::{ExperimentArgs, OutputArgs, sensor_help};
+use crate::cli::{ExperimentArgs, NoRecordingArgs, OutputArgs, sensor_help};
 use crate::plumbing::failure::Failure;
 use crate::plumbing::open_datasets::OpenedDataset;
 use crate::plumbing::paper_files::write_figure;
+use crate::plumbing::recorder::say_that_none_is_written;
 use crate::plumbing::scan_study::{ScanStudy, StagedScenes};
 use crate::plumbing::shards::watched_study::execute_watched;
 use crate::plumbing::shards::work_output::WorkOutput;
@@ -44,6 +45,9 @@ pub struct GapsArgs {
     /// Where curves and plots are written.
     #[command(flatten)]
     pub output: OutputArgs,
+    /// That it has no recording.
+    #[command(flatten)]
+    pub recording: NoRecordingArgs,
 }
 
 const GAPS_EXAMPLES: &str = "\
@@ -63,6 +67,7 @@ const DETECTORS: [&str; 3] = ["simple-grid", "hierarchical", "kd-tree"];
 
 /// Simulates pairs of objects with growing gaps, writes a run directory with the separated pairs, and prints the table.
 pub fn gaps(arguments: &GapsArgs) -> Result<(), Failure> {
+    say_that_none_is_written(&arguments.recording, "gaps");
     let sensor = sensor_named(&arguments.sensor)?;
     let output = WorkOutput::claim(Study::Gaps, None, &arguments.output)?;
     let mut study = ScanStudy::of_simulated_scans(&arguments.detectors, &DETECTORS, output.started)?;

@@ -3,6 +3,7 @@
 use std::path::Path;
 
 use reports::files::whole_set::WholeSet;
+use reports::history::since::Since;
 use reports::run_folder::command_line::shell_word;
 use reports::run_folder::run_archive::RunArchive;
 use reports::tables::formats::format::Format as _;
@@ -14,12 +15,12 @@ use reports::verdicts::accept::{TOLERANCES_TOML, run_of_baseline};
 use reports::verdicts::classes_of_both::with_classes_of_both;
 use reports::verdicts::tolerances::{DriftRule, Tolerances};
 use reports::verdicts::tolerances_file::TolerancesError;
-use reports::verdicts::verdict::{Verdict, judge_with_streams};
+use reports::verdicts::verdict::{JudgeError, Verdict, judge_with_streams};
 
 use crate::cli::GateArgs;
-use crate::plumbing::failure::{Failure, GateClosed, Usage, WorseSince};
+use crate::plumbing::failure::{Failure, GateClosed, Usage};
 use crate::plumbing::open_run::open_run;
-use crate::plumbing::standard_streams::{print_text, terminal};
+use crate::plumbing::standard_streams::{print_diagnostic, print_text, terminal};
 use crate::plumbing::step_summary::append_to_step_summary;
 use crate::plumbing::streams::gated_streams;
 use crate::verbs::history::add_to_history;
@@ -35,25 +36,24 @@ pub fn gate(arguments: &GateArgs) -> Result<(), Failure> {
     }
     let sides = [(&baseline, &*run_of_baseline(directory)), (&run, &*arguments.run)];
     let streams = gated_streams(&tolerances, sides)?;
-    let verdict = judge_with_streams(&baseline, &run, &tolerances, &streams)?;
-    if let Some(output) = &arguments.output {
-        write_verdict(output, &verdict, &run)?;
+    let judged = judge_with_streams(&baseline, &run, &tolerances, &streams);
+    if let Err(JudgeError::NotComparable(_)) = &judged {
+        print_diagnostic(format_args!("{}", about_a_new_baseline(arguments)));
     }
-    append_to_step_summary(&Markdown.text(&verdict))?;
+    let mut verdict = judged?;
     let history = arguments.history.as_ref();
     let history =
         history.map(|it| add_to_history(it, &run, &arguments.run, arguments.link.as_deref())).transpose()?;
     let since = arguments.since.as_ref().zip(history);
     let since = since.map(|(wanted, it)| it.since(wanted, &run.manifest.created, &tolerances)).transpose()?;
-    print_text(&printed(arguments, &verdict))?;
-    if let Some(since) = &since {
-        print_text(&(since.lines().join("\n") + "\n"))?;
+    verdict.since = since.as_ref().map(Since::in_words);
+    if let Some(output) = &arguments.output {
+        write_verdict(output, &verdict, &run)?;
     }
+    append_to_step_summary(&Markdown.text(&verdict))?;
+    print_text(&printed(arguments, &verdict))?;
     match verdict.conclusion() {
-        passed if passed.is_pass() => match since.map_or(0, |it| it.losses.len()) {
-            0 => Ok(()),
-            n_worse => Err(WorseSince { n_worse }.into()),
-        },
+        passed if passed.is_pass() => Ok(()),
         closed => Err(GateClosed(closed).into()),
     }
 }
@@ -66,6 +66,15 @@ fn printed(arguments: &GateArgs, verdict: &Verdict) -> String {
     let [run, baseline] = [&arguments.run, &arguments.baseline.baseline].map(|it| it.display().to_string());
     let in_full = in_full(arguments);
     terminal.text(&Brief { verdict, sides: [&run, &baseline], purpose: Purpose::Gate { in_full: &in_full } })
+}
+
+/// What to do if the run is meant to be compared with nothing before it.
+fn about_a_new_baseline(arguments: &GateArgs) -> String {
+    let word = |path: &Path| shell_word(&path.display().to_string());
+    let (run, baseline) = (word(&arguments.run), word(&arguments.baseline.baseline));
+    format!(
+        "If that is meant, begin anew: scanbench baseline accept {run} --baseline {baseline} --new-baseline --why '…'"
+    )
 }
 
 /// The command that prints everything.

@@ -137,7 +137,7 @@ pub enum Command {
     Baseline(BaselineCommand),
     /// Check the scoring: annotations used as detections must score exactly 1
     Selftest(selftest::SelftestArgs),
-    /// List, fetch, check, convert, simulate, prelabel, hash and compare data sets
+    /// List, fetch, check, convert, simulate, prelabel and hash data sets
     #[command(subcommand, after_help = "Example:\n  scanbench data list")]
     Data(DataCommand),
     /// Train the models of detectors, and test them on held-out drives

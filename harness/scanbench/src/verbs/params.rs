@@ -5,7 +5,7 @@ use clap::Args;
 use detector::params::HIERARCHICAL_TOML;
 use detector::params::bounds::{Bounds, HIERARCHICAL_BOUNDS};
 use detector::params::paper::PAPER_TOML;
-use evaluation::run::config::config_schema;
+use evaluation::run::config::{VEHICLE_MODEL, VEHICLE_MODEL_TOML, config_schema};
 use evaluation::run::detector_list::{DETECTORS, ListedDetector};
 
 use crate::cli::help_text::OUTPUT;
@@ -45,7 +45,10 @@ pub fn params(arguments: &ParamsArgs) -> Result<(), Failure> {
             tables.push(listed.table);
         }
     }
-    let texts: Vec<String> = tables.into_iter().map(|it| text_of(it).trim_end().to_owned()).collect();
+    let mut texts: Vec<String> = tables.into_iter().map(|it| text_of(it).trim_end().to_owned()).collect();
+    if arguments.detectors.is_empty() {
+        texts.push(format!("[{VEHICLE_MODEL}]{}", VEHICLE_MODEL_TOML.trim_end()));
+    }
     print_result(texts.join("\n\n"))
 }
 
@@ -118,6 +121,8 @@ mod tests {
     #[test]
     fn what_is_printed_is_what_the_program_has() {
         let shipped = RunConfig::load(None).unwrap().resolved;
+        let models: toml::Table = VEHICLE_MODEL_TOML.parse().unwrap();
+        assert_eq!(shipped[VEHICLE_MODEL].as_table(), Some(&models));
         for listed in DETECTORS {
             let printed: toml::Table = text_of(listed.table).parse().unwrap();
             assert_eq!(printed.keys().collect::<Vec<_>>(), [listed.table]);

@@ -20,11 +20,12 @@ use reports::vocabulary::study::Study;
 use simulator::StreetKind;
 
 use crate::cli::help_text::{DATA, DETECTORS as DETECTORS_HEADING};
-use crate::cli::{ExperimentArgs, OutputArgs, ShardArgs, experiment_detectors_help};
+use crate::cli::{ExperimentArgs, NoRecordingArgs, OutputArgs, ShardArgs, experiment_detectors_help};
 use crate::plumbing::failure::{Failure, Usage};
 use crate::plumbing::first_look::look_first_at_all;
 use crate::plumbing::open_datasets::OpenedDataset;
 use crate::plumbing::paper_files::{write_figure, write_table};
+use crate::plumbing::recorder::say_that_none_is_written;
 use crate::plumbing::scan_study::{Printed, ScanStudy, StagedScenes, make_study};
 use crate::plumbing::shards::whole_run::WholeRun;
 use crate::plumbing::shards::work_output::WorkOutput;
@@ -52,6 +53,9 @@ pub struct RobustnessArgs {
     /// Where the tables are written.
     #[command(flatten)]
     pub output: OutputArgs,
+    /// That it has no recording.
+    #[command(flatten)]
+    pub recording: NoRecordingArgs,
 }
 
 const ROBUSTNESS_EXAMPLES: &str = "\
@@ -81,6 +85,7 @@ const DRAWN: &str = "streets";
 /// Runs detectors on simulated streets under one condition after another, each a data set of its own, writes the run
 /// directory and prints the table; or makes a shard of that.
 pub fn robustness(arguments: &RobustnessArgs) -> Result<(), Failure> {
+    say_that_none_is_written(&arguments.recording, "robustness");
     let output = WorkOutput::claim(Study::Robustness, arguments.shard.shard, &arguments.output)?;
     make_study(&mut open_robustness(arguments, output.started)?, output, write_robustness)
 }

@@ -8,10 +8,10 @@ use evaluation::matching::eligibility::{EligibilityParams, counts_as_vehicle};
 use evaluation::metrics::counts::{Counts, FalseDetections};
 use reports::vocabulary::task::Task;
 use scans::annotation::{Annotation, LabeledScan};
-use scans::dataset::class_table::ClassTable;
 use scans::dataset::source::DamagePolicy;
 
 use crate::cli::{DamageArgs, DatasetArgs, ProtocolArgs};
+use crate::plumbing::config::classes_of_project;
 use crate::plumbing::failure::{Failure, NothingEvaluated};
 use crate::plumbing::open_datasets::{OpenedDataset, open_datasets_past_damage};
 use crate::plumbing::progress::progress_over_scans;
@@ -56,7 +56,7 @@ impl From<SelftestFailed> for Failure {
 pub fn selftest(arguments: &SelftestArgs) -> Result<(), Failure> {
     let (mut n_failed, mut n_checked) = (0, 0);
     let policy = arguments.damage.policy();
-    for opened in open_datasets_past_damage(&arguments.data, policy, &ClassTable::default())? {
+    for opened in open_datasets_past_damage(&arguments.data, policy, &classes_of_project()?)? {
         let mut doors = Doors::open(&opened)?;
         for checked in check_protocols(&opened, policy, &arguments.protocol.protocols, doors.as_mut())? {
             n_checked += 1;

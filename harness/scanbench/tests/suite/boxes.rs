@@ -3,7 +3,7 @@
 use crate::program::Workplace;
 use crate::shard_folders::{check_same_bytes, check_study};
 
-const BOXES: &str = "boxes street-narrow --simulated-scans 3";
+const BOXES: &str = "boxes street-narrow --simulated-scans 3 --no-rrd";
 
 #[test]
 fn every_pair_has_all_boxes_and_every_number_its_denominators() {

@@ -6,7 +6,7 @@ use crate::shard_folders::{check_same_but_times, check_study};
 #[test]
 fn gaps_leave_curves_plots_and_a_pair_behind() {
     let workplace = Workplace::new();
-    let command = "gaps --pairs 1 -d simple-grid,hierarchical --sensor vlp-16";
+    let command = "gaps --pairs 1 -d simple-grid,hierarchical --sensor vlp-16 --no-rrd";
     let ended = check_study(&workplace, command, &[], |workplace, whole, again| {
         check_same_but_times(workplace, whole, again);
         for name in ["gaps.csv", "gaps.svg"] {
@@ -23,6 +23,7 @@ fn gaps_leave_curves_plots_and_a_pair_behind() {
     // Two detectors, five kinds, two layouts, three ranges, eleven gaps.
     assert_eq!(workplace.column("in-one/gaps.csv", "n_pairs"), vec!["1"; 2 * 5 * 2 * 3 * 11]);
     assert!(workplace.column("in-one/gaps.csv", "data").iter().all(|it| it == "simulated"));
+    ended.check_stderr(&["--no-rrd changes nothing: `gaps` never writes a Rerun recording\n"]);
     ended.check_stdout(&["Pairs at 5 to 10 m (simulated)", "Separated: each"]);
     assert!(ended.stderr.ends_with("Curves and plots: in-one\nPage: in-one/report.html\n"), "{ended:#?}");
     workplace.check_file("in-one/gaps.svg", &["(simulated"]);

@@ -77,6 +77,19 @@ fn a_sensor_on_a_robot_is_recognised_with_its_height_and_tilt() {
     assert!((entry["seen"]["tilt_deg"].as_f64().unwrap() - 8.0).abs() < 0.5, "{entry}");
     assert!((f_rate(&workplace) - upright).abs() < 0.08, "{} and {upright}", f_rate(&workplace));
     assert!(!said.contains("no verdict"), "{said}");
+    // So it is where the height is stated, and by the name that a catalogue gives the folder.
+    let levelled = f_rate(&workplace);
+    let height = entry["sensor_height_m"].to_string();
+    let (said, entry) = run(&workplace, &["--sensor-height", &height]);
+    assert!(said.contains("sensor and tilt taken from the scans"), "{said}");
+    assert!((f_rate(&workplace) - levelled).abs() < 0.01, "{}", f_rate(&workplace));
+    assert_eq!(entry["seen"]["taken"], serde_json::json!(["sensor", "tilt"]));
+    workplace.write("mine.toml", "");
+    workplace.succeed("data add robot --catalogue mine.toml");
+    let ended =
+        workplace.succeed("run robot --catalogue mine.toml -d pca,hierarchical --no-rrd -o out --overwrite");
+    ended.check_stderr(&["tilt taken from the scans"]);
+    assert!((f_rate(&workplace) - levelled).abs() < 0.01, "{}", f_rate(&workplace));
     // Results that name no frame are in that of the files, and stay with the points.
     workplace.succeed("detect robot --scan 0 -d kd-tree --boxes others.csv");
     let of_others = ["--detections", "others=others.csv", "--missing-detections", "empty"];

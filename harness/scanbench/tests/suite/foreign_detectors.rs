@@ -71,6 +71,8 @@ fn check_skipped(behaviour: &str, expected: &str) {
     let reported =
         format!("odd failed at 1 of {N_SCANS} scans. They count as nothing found. The first was street");
     workplace.check_file("out/report.html", &[&reported]);
+    let judged = workplace.run("gate out --baseline out");
+    judged.check_stdout(&[&format!("odd failed on 1 of {N_SCANS} scans.")]);
     // Nothing of a failed scan is a mistake about its objects.
     let matches = workplace.read("out/matches.csv");
     let with_reason = matches.lines().filter(|it| it.contains(",detector failed,"));

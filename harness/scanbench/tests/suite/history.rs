@@ -32,7 +32,13 @@ fn the_run_is_found_at_which_numbers_changed_and_what_changed_then() {
     assert!(history.starts_with("{\"line\":\"history\",\"schema\":1}\n"));
     assert_eq!(history.matches("\"line\":\"run\"").count(), 14);
     assert_eq!(history.matches("\"line\":\"settings\"").count(), 2);
-    // A run that is there already changes nothing, and neither does the order of lines, or a line twice.
+    // A run that is there already is not counted twice, wherever its page is.
+    workplace.succeed("gate run-01 --baseline run-01 --history linked.jsonl --link https://ci.example/1");
+    workplace.succeed("gate run-01 --baseline run-01 --history linked.jsonl --link https://ci.example/2");
+    let linked = workplace.read("linked.jsonl");
+    assert_eq!(linked.matches("\"line\":\"run\"").count(), 1, "{linked}");
+    assert!(linked.contains("https://ci.example/2") && !linked.contains("https://ci.example/1"), "{linked}");
+    // Nor does it change anything, and neither does the order of lines, or a line twice.
     workplace.succeed("gate run-01 --baseline run-01 --history h.jsonl");
     assert_eq!(workplace.read("h.jsonl"), history);
     let mut lines: Vec<&str> = history.lines().rev().collect();
@@ -83,8 +89,13 @@ fn a_slow_loss_is_a_loss_since_an_earlier_run() {
     workplace.run(&format!("gate run-03 --baseline run-02 {gate}"));
     let ended = workplace.run(&format!("gate run-03 --baseline run-03 {gate} --since 2026-01-01"));
     assert_eq!(ended.exit_code, Some(100), "{ended:?}");
-    ended.check_stdout(&["Since 2026-01-01T12:00:00Z", "recall of objects, all, pca, overall"]);
-    ended.check_stderr(&["worse than tolerated, compared with the run of --since"]);
+    let closed = "FAILED: worse than an earlier run of the history";
+    ended.check_stdout(&[closed, "Since 2026-01-01T12:00:00Z", "recall of objects, all, pca, overall"]);
+    // All files of the verdict say so.
+    workplace.run(&format!("gate run-03 --baseline run-03 {gate} --since 2026-01-01 -o verdict"));
+    workplace.check_file("verdict/gate.md", &[closed, "Since 2026-01-01T12:00:00Z"]);
+    workplace.check_file("verdict/gate.json", &["\"conclusion\": \"worse-since\"", "\"since\": ["]);
+    workplace.check_file("verdict/junit.xml", &["scanbench.since", "failures=\"1\""]);
     workplace.succeed(&format!("gate run-03 --baseline run-03 {gate} --since 2026-01-03"));
     workplace.refuse(
         &format!("gate run-03 --baseline run-03 {gate} --since 2025"),
@@ -106,4 +117,36 @@ fn runs_that_cannot_be_compared_are_on_separate_lines() {
     workplace.refuse("history h.jsonl", 3, &["h.jsonl", "line 2: expected"]);
     workplace.write("h.jsonl", "{\"line\":\"history\",\"schema\":9}\n");
     workplace.refuse("history h.jsonl", 3, &["schema 9 is not that of this program, 1"]);
+}
+
+/// The commit of a run is that of the repository that it was made in.
+#[test]
+fn runs_are_told_apart_by_the_commits_of_a_project() {
+    let workplace = Workplace::new();
+    let git = |arguments: &[&str]| {
+        let mut command = std::process::Command::new("git");
+        command.args(["-c", "user.name=me", "-c", "user.email=me@example.org"]).args(arguments);
+        let ended = command.current_dir(workplace.folder()).output().expect("git starts");
+        assert!(ended.status.success(), "{ended:?}");
+        String::from_utf8(ended.stdout).expect("text").trim().to_owned()
+    };
+    git(&["init", "-q"]);
+    workplace.write("note", "1");
+    git(&["add", "note"]);
+    git(&["commit", "-q", "-m", "first"]);
+    let first = git(&["rev-parse", "HEAD"]);
+    let run = "run street-narrow --simulated-scans 1 --sensor vlp-16 -d pca --no-rrd -o";
+    workplace.succeed(&(run, "a"));
+    let project = &workplace.json("a/manifest.json")["project"];
+    assert_eq!((&project["commit"], &project["dirty"]), (&first.as_str().into(), &false.into()));
+    workplace.check_file("a/report.html", &[&first]);
+    workplace.write("note", "2");
+    workplace.succeed(&(run, "b"));
+    assert_eq!(workplace.json("b/manifest.json")["project"]["dirty"], true);
+    workplace.succeed("gate a --baseline a --history h.jsonl");
+    let since = format!("gate b --baseline a --history h.jsonl --since {}", &first[..7]);
+    workplace.succeed(&since).check_stdout(&["none of", "is worse than tolerated; times are"]);
+    let history = workplace.read("h.jsonl");
+    assert_eq!(history.matches(&format!("\"commit\":\"{first}\"")).count(), 2, "{history}");
+    workplace.succeed("history h.jsonl").check_stdout(&["No number", "2 runs"]);
 }

@@ -162,3 +162,25 @@ fn results_get_the_look_that_labels_get() {
     };
     check_results(&workplace, bad, &[]);
 }
+
+/// A camera's view was labelled, and no file says so.
+#[test]
+fn labels_reach_as_far_ahead_as_the_user_says() {
+    let workplace = recorded();
+    let n_objects =
+        |workplace: &Workplace| workplace.column("out/table_vehicles.csv", "no")[0].parse::<u32>().unwrap();
+    workplace.succeed("run drive -d pca --no-rrd -o whole");
+    workplace.succeed("run drive -d pca --no-rrd -o out");
+    let n_all_round = n_objects(&workplace);
+    let run = "run drive -d pca --no-rrd -o out --overwrite --labels-ahead 40";
+    workplace.succeed(run).check_stdout(&["drive"]);
+    let n_ahead = n_objects(&workplace);
+    assert!(0 < n_ahead && n_ahead < n_all_round / 2, "{n_ahead} of {n_all_round}");
+    let said =
+        "The labels of drive reach 40 degrees to either side of forward, says the user (--labels-ahead).";
+    workplace.check_file("out/report.html", &[said]);
+    assert_eq!(workplace.json("out/manifest.json")["datasets"][0]["labels_ahead_deg"], 40.0);
+    let changed = "how far to either side of forward the labels of drive reach changed (--labels-ahead)";
+    workplace.refuse("compare whole out", 5, &[changed]);
+    workplace.refuse("run drive --labels-ahead 0", 2, &["--labels-ahead", "not within 0 to 180 degrees"]);
+}

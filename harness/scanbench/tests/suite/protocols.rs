@@ -161,13 +161,23 @@ fn a_split_of_kitti_is_the_scans_of_its_list() {
     let workplace = Workplace::new();
     let street = ["data", "simulate", "street-narrow", "--simulated-scans", "3", "--sensor", "vlp-16"];
     workplace.succeed(&(&street, "--to kitti-object -o objects"));
-    // KITTI has no class for what else stands there.
+    workplace.refuse(
+        "run objects -d pca --protocol kitti-object --no-rrd -o refused",
+        2,
+        &["objects", "has labels that do not say where objects are in the image"],
+    );
+    // KITTI has no class for what else stands there, and a rectangle in the image for each object.
     for scan in 0..3 {
         let labels = format!("objects/training/label_2/{scan:06}.txt");
         let text = workplace.read(&labels);
         let known =
             |it: &&str| ["Car ", "Van ", "Pedestrian ", "Cyclist "].iter().any(|name| it.starts_with(name));
-        let known: String = text.lines().filter(known).flat_map(|it| [it, "\n"]).collect();
+        let in_image = |line: &str| {
+            let mut words: Vec<&str> = line.split(' ').collect();
+            words[4..8].copy_from_slice(&["500", "150", "600", "250"]);
+            words.join(" ") + "\n"
+        };
+        let known: String = text.lines().filter(known).map(in_image).collect();
         workplace.write(&labels, &known);
     }
     workplace.write("objects/ImageSets/val.txt", "000002\n000000\n");

@@ -1,8 +1,10 @@
 //! Training.
 
+use std::path::Path;
+
 use detector::classify::model_file::ModelFile;
 
-use crate::program::{Prepared, Workplace};
+use crate::program::{Prepared, Workplace, copy_folder};
 
 /// Three simulated drives, of which the last is held out.
 const DRIVES: &str = "streets --seed 7 --simulated-scans 6 --sensor vlp-16";
@@ -140,6 +142,23 @@ fn a_model_that_no_chosen_detector_reads_is_refused_by_name() {
         let said = format!("vehicle_model.groupings_directory = {shipped:?}: no chosen detector reads it; ");
         workplace.refuse(&("run street-narrow -o out", options), 2, &[&said, reads]);
     }
+    // The file of a project is for all commands in its folder and below, and names folders from where it lies.
+    let models = workplace.path("models");
+    copy_folder(Path::new(shipped), &models);
+    workplace.write("scanbench.toml", "[vehicle_model]\ngroupings_directory = \"models\"");
+    std::fs::create_dir(workplace.path("below")).expect("a folder");
+    for detector in ["pca", "hierarchical"] {
+        let run = (
+            "run street-narrow --simulated-scans 1 --sensor vlp-16 -q --no-rrd -o run --overwrite -d",
+            detector,
+        );
+        let ended = workplace.command(&run).current_dir(workplace.path("below")).output().expect("it starts");
+        assert!(ended.status.success(), "{ended:?}");
+        let manifest = workplace.json("below/run/manifest.json");
+        let named = manifest["config"]["vehicle_model"]["groupings_directory"].as_str().expect("a text");
+        assert_eq!(Path::new(named), models);
+    }
+    std::fs::remove_file(workplace.path("scanbench.toml")).expect("it was written");
     // Some of the variants read it.
     let ablation = "ablation street-narrow --simulated-scans 1 --sensor vlp-16 -q -o ablation -P";
     workplace.succeed(&(ablation, [of_groupings.as_str()]));

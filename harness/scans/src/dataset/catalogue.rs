@@ -68,6 +68,8 @@ pub struct CatalogueEntry {
     pub sensor_height_m: f32,
     /// The sensor; that of KITTI unless the entry names one.
     pub sensor: String,
+    /// Whether the entry names the sensor.
+    pub names_sensor: bool,
     /// Its licence, where known.
     pub licence: Option<String>,
     /// The page of its licence, where known.
@@ -157,8 +159,7 @@ struct WrittenEntry {
     annotation_topic: Option<Spanned<String>>,
     annotated_classes: Option<AnnotatedClasses>,
     sensor_height_m: Option<Spanned<f32>>,
-    #[serde(default = "kitti_sensor")]
-    sensor: String,
+    sensor: Option<String>,
     licence: Option<String>,
     licence_url: Option<String>,
     url: Option<String>,
@@ -167,10 +168,6 @@ struct WrittenEntry {
     #[serde(default)]
     classes: BTreeMap<String, Spanned<String>>,
     columns: Option<Spanned<String>>,
-}
-
-fn kitti_sensor() -> String {
-    KITTI_SENSOR.to_owned()
 }
 
 /// The text that errors point into.
@@ -238,7 +235,8 @@ fn entry_from_written(
         scan_list: written.scan_list.map(Spanned::into_inner),
         annotated: annotated.clone(),
         sensor_height_m,
-        sensor: written.sensor,
+        names_sensor: written.sensor.is_some(),
+        sensor: written.sensor.unwrap_or_else(|| KITTI_SENSOR.to_owned()),
         licence: written.licence,
         licence_url: written.licence_url,
         url: written.url,
@@ -251,7 +249,7 @@ fn entry_from_written(
 /// Checks that texts to show are printable, and that files to fetch are below their address.
 fn check_texts(written: &WrittenEntry, at: usize, source: &CatalogueText<'_>) -> Result<(), DatasetError> {
     let texts = [
-        ("sensor", Some(&written.sensor)),
+        ("sensor", written.sensor.as_ref()),
         ("licence", written.licence.as_ref()),
         ("licence_url", written.licence_url.as_ref()),
         ("url", written.url.as_ref()),
@@ -392,6 +390,7 @@ url = "https://example.org"
             annotated: AnnotatedClasses::Only(vec![AnnotationClass::Car, AnnotationClass::Van]),
             sensor_height_m: 1.8,
             sensor: "hdl-64e-s2".to_owned(),
+            names_sensor: false,
             licence: Some("mine".to_owned()),
             licence_url: None,
             download: None,

@@ -62,6 +62,7 @@ pub mod nuscenes;
 pub mod velodyne_capture;
 pub mod scan_folder;
 pub mod mounting;
+pub mod labeled_ahead;
 pub mod formats;
 
 // From the user's name for a data set to the open data set, and to its scans that are run.

@@ -39,6 +39,9 @@ pub(crate) struct VerdictRecord<'a> {
     /// Claims of the papers of which something else comes.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     claims: Vec<ClaimRecord<'a>>,
+    /// What became of numbers since an earlier run of the history, a line each.
+    #[serde(skip_serializing_if = "<[String]>::is_empty")]
+    since: &'a [String],
     /// Whether results that changed fail or warn.
     drift_rule: &'static str,
     /// Changed results of each kind that occurs, each detector and task counted, the worst kind first.
@@ -142,6 +145,7 @@ impl Format<Verdict> for Json {
             doubts: &verdict.doubts,
             configuration_changes: &verdict.configuration_changes,
             claims: verdict.claims.iter().map(claim_record).collect(),
+            since: verdict.since.as_ref().map_or(&[], |it| &it.lines),
             drift_rule: verdict.tolerances.drift.name(),
             n_changes: verdict.n_changes(),
             drift: verdict

@@ -13,7 +13,7 @@ use crate::verdicts::changed_claims::ChangedClaim;
 use crate::verdicts::finding::Finding;
 use crate::verdicts::gated_metrics::{GatedMetric, about};
 use crate::verdicts::tolerances::DriftRule;
-use crate::verdicts::verdict::Verdict;
+use crate::verdicts::verdict::{SinceEarlier, Verdict};
 use crate::vocabulary::metric::SPEED_REFERENCE;
 
 /// The XML that `JUnit` writes.
@@ -30,14 +30,17 @@ impl Format<Verdict> for JUnit {
         let doubt = doubt(verdict);
         let doubt = doubt.as_deref();
         let mut report = Report::new("scanbench gate");
-        let suites: [(&str, Vec<TestCase>); 4] = [
+        let suites: [(&str, Vec<TestCase>); 5] = [
             ("quality", verdict.metrics.iter().map(|it| of_metric(it, doubt)).collect()),
             ("speed", speed_cases(verdict, doubt)),
             ("drift", drift_cases(verdict)),
             ("claims", verdict.claims.iter().map(of_claim).collect()),
+            ("since", verdict.since.iter().map(of_earlier).collect()),
         ];
-        // Few runs have claims.
-        for (name, cases) in suites.into_iter().filter(|it| it.0 != "claims" || !it.1.is_empty()) {
+        // Few runs have claims, or are held against an earlier one.
+        for (name, cases) in
+            suites.into_iter().filter(|it| !["claims", "since"].contains(&it.0) || !it.1.is_empty())
+        {
             let mut suite = TestSuite::new(name);
             suite.add_test_cases(cases);
             report.add_test_suite(suite);
@@ -65,6 +68,14 @@ fn drift_cases(verdict: &Verdict) -> Vec<TestCase> {
         case(class, &drift.subject.in_words(), status)
     });
     of_scan.collect()
+}
+
+fn of_earlier(since: &SinceEarlier) -> TestCase {
+    let status = match since.n_worse {
+        0 => TestCaseStatus::success(),
+        _ => failed("regression", &since.lines[0], &since.lines[1..].join("\n")),
+    };
+    case("scanbench.since", "no number is worse than in an earlier run of the history", status)
 }
 
 fn of_claim(changed: &ChangedClaim) -> TestCase {

@@ -208,7 +208,7 @@ mod tests {
             Numbers of data sets are measured here, and may be compared within a row. Published rows are printed in Börcs, Nagy, Benedek: Fast 3-D Urban Object Detection on Streaming Point Clouds, table 1; connected component analysis under kd-tree, hierarchical grid under paper. They are of other scans, annotations and machines: for orientation, and not to be compared with the numbers measured here.\par
             recorded: from a sensor.\par
             simulated: from a simulator, not recorded.\par
-            $^\dagger$ Budapest recordings, not public.\par
+            $^\dagger$ Budapest recordings, not public; overall with those of KITTI.\par
             $^1$ undefined: not every class of object is annotated, so false objects cannot be counted.\par
           \end{minipage}
         \end{table}

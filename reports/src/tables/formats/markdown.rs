@@ -167,7 +167,7 @@ mod tests {
         - Numbers of data sets are measured here, and may be compared within a row. Published rows are printed in Börcs, Nagy, Benedek: Fast 3-D Urban Object Detection on Streaming Point Clouds, table 1; connected component analysis under kd-tree, hierarchical grid under paper. They are of other scans, annotations and machines: for orientation, and not to be compared with the numbers measured here.
         - recorded: from a sensor.
         - simulated: from a simulator, not recorded.
-        - † Budapest recordings, not public.
+        - † Budapest recordings, not public; overall with those of KITTI.
         - ¹ undefined: not every class of object is annotated, so false objects cannot be counted.
         ");
     }

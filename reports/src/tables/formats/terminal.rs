@@ -269,7 +269,7 @@ mod tests {
           here.
         recorded: from a sensor.
         simulated: from a simulator, not recorded.
-        † Budapest recordings, not public.
+        † Budapest recordings, not public; overall with those of KITTI.
         ¹ undefined: not every class of object is annotated, so false objects cannot be counted.
         ");
     }
@@ -323,7 +323,7 @@ mod tests {
           compared with the numbers measured here.
         recorded: from a sensor.
         simulated: from a simulator, not recorded.
-        † Budapest recordings, not public.
+        † Budapest recordings, not public; overall with those of KITTI.
         ¹ undefined: the denominator is zero.
         ² undefined: no scan was timed.
         ");

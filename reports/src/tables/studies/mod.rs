@@ -3,6 +3,7 @@
 pub mod ablation_score;
 pub mod ablation_table;
 pub mod sweep_table;
+pub mod sweep_rates;
 pub mod sweep_recommendation;
 pub mod swept_protocol_table;
 pub mod fitness_table;

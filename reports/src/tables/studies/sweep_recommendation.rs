@@ -54,10 +54,7 @@ fn recommendation(
     });
     let scores: Vec<&SweepScore> = curve.points.iter().map(|it| it.reached).collect();
     let elsewhere = held_out(&scores).map_or_else(String::new, |it| {
-        format!(
-            "; {} % if each block of scans is judged at the value that the others choose (cross-validation)",
-            percent(it)
-        )
+        format!("; {} % if each block of scans is judged at the value that the others choose", percent(it))
     });
     let detector = curve.named(&first.subject.detector);
     let is_best =

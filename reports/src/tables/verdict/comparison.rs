@@ -22,7 +22,7 @@ use crate::verdicts::classes_of_both::with_classes_of_both;
 use crate::verdicts::comparability::{
     NotComparable, check_comparable, configuration_changes, detectors_only_in,
 };
-use crate::verdicts::drift::drift;
+use crate::verdicts::drift::{ScanDrift, drift};
 use crate::verdicts::gated_metrics::{about, judged};
 use crate::verdicts::paired_difference::{PairedDifference, paired_difference};
 use crate::verdicts::partial_differences::{
@@ -49,6 +49,8 @@ pub struct Comparison {
     /// Number of scans on which results of a detector changed, and of changes of each kind; `None` where two detectors are
     /// compared, whose results are expected to differ.
     pub drift: Option<(usize, BTreeMap<ChangeKind, usize>)>,
+    /// Names of the detector and the task with the most changed results, if any changed.
+    pub most_changed: Option<(String, String)>,
     /// Doubts about data sets and detectors, and those that users overruled, a sentence each.
     pub doubts: Vec<String>,
     /// Changes in the configuration of detectors, a text each.
@@ -107,11 +109,22 @@ pub fn compare_runs(
         title: format!("Two runs over the same {}s, {}", after.manifest.unit(), about_data(after, tally)),
         differences,
         unit: after.manifest.unit(),
+        most_changed: most_changed(&drift),
         drift: Some((drift.len(), n_of_kinds(drift.iter().flat_map(|it| &it.changes)))),
         doubts: after.manifest.doubts_in_words(),
         configuration_changes: configuration_changes(before, after),
         new_detectors: detectors_only_in(after, before),
     })
+}
+
+/// Names of the detector and the task with the most changes, the first among equals.
+fn most_changed(drift: &[ScanDrift]) -> Option<(String, String)> {
+    let mut n_changes: BTreeMap<(&str, &str), usize> = BTreeMap::new();
+    for ScanDrift { subject, changes } in drift {
+        *n_changes.entry((&subject.detector, &subject.task)).or_default() += changes.len();
+    }
+    let (most, _) = n_changes.into_iter().rev().max_by_key(|(_, n)| *n)?;
+    Some((most.0.to_owned(), most.1.to_owned()))
 }
 
 /// The rows of these detectors of `run`; all where none are named.
@@ -147,6 +160,7 @@ pub fn compare_detectors(
         differences,
         unit,
         drift: None,
+        most_changed: None,
         doubts: run.manifest.doubts_in_words(),
         configuration_changes: Vec::new(),
         new_detectors: Vec::new(),
@@ -296,7 +310,9 @@ impl Comparison {
             None if self.differences.is_empty() => {
                 "There are no numbers to compare: the scans have no labels.".to_owned()
             }
-            None => "There is only one block of scans, so there is no interval.".to_owned(),
+            None => "There is no interval: the scans, or those of one of the data sets, are a single block; run --blocks FILE \
+                     says which of them belong together."
+                .to_owned(),
         };
         let about_new = (!self.new_detectors.is_empty()).then(|| {
             format!("Not compared, because only the later run has it: {}.", self.new_detectors.join(", "))

@@ -125,6 +125,7 @@ mod tests {
             differences,
             unit: "scan",
             drift: Some((0, std::collections::BTreeMap::new())),
+            most_changed: None,
             doubts: Vec::new(),
             configuration_changes: Vec::new(),
             new_detectors: Vec::new(),

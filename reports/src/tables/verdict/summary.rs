@@ -112,6 +112,7 @@ pub(crate) fn about_judging(verdict: &Verdict) -> Vec<String> {
 /// Claims that changed, and what could not be judged although no number is missing.
 fn caveats(verdict: &Verdict) -> Vec<String> {
     let mut lines: Vec<String> = verdict.claims.iter().map(ChangedClaim::in_words).collect();
+    lines.extend(verdict.since.iter().flat_map(|it| it.lines.iter().cloned()));
     lines.extend(verdict.doubts.iter().cloned());
     lines.extend(about_configuration(&verdict.configuration_changes));
     lines.extend(verdict.speed_not_compared.as_ref().map(|it| format!("Speed was not compared: {it}.")));
@@ -151,13 +152,30 @@ fn missing(verdict: &Verdict) -> Vec<String> {
 /// The conclusion, as short as can be.
 pub(crate) fn headline(verdict: &Verdict) -> String {
     let conclusion = verdict.conclusion();
-    match conclusion {
-        Conclusion::AllowedDrift => {
-            let doubt = doubt(verdict).filter(|_| verdict.blocks.decide_nothing());
-            let not_judged = doubt.map(|it| format!("; no number is judged: {it}")).unwrap_or_default();
-            format!("{} on {} (allowed){not_judged}", conclusion.in_words(), changed_scans(verdict))
+    let words = conclusion.in_words();
+    let words = match conclusion {
+        Conclusion::AllowedDrift => format!("{words} on {} (allowed)", changed_scans(verdict)),
+        _ => words.to_owned(),
+    };
+    format!("{words}{}", not_judged(verdict).unwrap_or_default())
+}
+
+/// What a verdict that nothing is surely worse leaves open; `None` if that is nothing.
+fn not_judged(verdict: &Verdict) -> Option<String> {
+    let conclusion = verdict.conclusion();
+    let n_inconclusive = verdict.n(Finding::Inconclusive);
+    let doubt = doubt(verdict).filter(|_| verdict.blocks.decide_nothing());
+    match (conclusion, doubt) {
+        (Conclusion::AllowedDrift | Conclusion::Drift, Some(doubt)) => {
+            Some(format!("; no number is judged: {doubt}"))
         }
-        _ => conclusion.in_words().to_owned(),
+        (Conclusion::Same, Some(doubt)) if n_inconclusive > 0 => {
+            Some(format!("; {n_inconclusive} slower than tolerated, not judged: {doubt}"))
+        }
+        (Conclusion::Same | Conclusion::AllowedDrift, None) if n_inconclusive > 0 => {
+            Some(format!("; {n_inconclusive} inconclusive"))
+        }
+        _ => None,
     }
 }
 
@@ -177,7 +195,8 @@ pub(crate) fn counts(verdict: &Verdict) -> String {
         format!("Results changed on {}: {}.", changed_scans(verdict), in_words(&verdict.n_changes()))
     };
     format!(
-        "{n_gated} numbers: {} worse, {} inconclusive, {} missing. {about_results}",
+        "{n_gated} number{}: {} worse, {} inconclusive, {} missing. {about_results}",
+        if n_gated == 1 { "" } else { "s" },
         verdict.n(Finding::Regression),
         verdict.n(Finding::Inconclusive),
         verdict.n(Finding::Incomparable)

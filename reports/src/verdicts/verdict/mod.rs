@@ -4,6 +4,7 @@ use std::collections::{BTreeMap, BTreeSet};
 
 use crate::numbers::blocks::{BlockCount, Interval};
 use crate::numbers::tally::Tally;
+use crate::rows::scan_row::ScanOutcome;
 use crate::run_folder::run_archive::RunArchive;
 use crate::uncertainty::sample::Draw;
 use crate::verdicts::change::{ChangeKind, n_of_kinds};
@@ -56,8 +57,19 @@ pub struct Verdict {
     pub configuration_changes: Vec<String>,
     /// Detectors that only the later run has.
     pub new_detectors: Vec<String>,
+    /// What became of the numbers since an earlier run of the history, if one was named.
+    pub since: Option<SinceEarlier>,
     /// The tolerances that it was judged by.
     pub tolerances: Tolerances,
+}
+
+/// What became of the numbers since an earlier run of the history.
+#[derive(Debug, Clone, PartialEq)]
+pub struct SinceEarlier {
+    /// How many are worse than tolerated.
+    pub n_worse: usize,
+    /// What became of them: a sentence, and a line for each that is worse.
+    pub lines: Vec<String>,
 }
 
 named! {
@@ -67,6 +79,8 @@ named! {
         Regression = "regression",
         /// Something that is gated has no number.
         Incomparable = "incomparable",
+        /// Something is worse than in the earlier run of the history.
+        WorseSince = "worse-since",
         /// Nothing is surely worse, but results changed.
         Drift = "drift",
         /// The same, and that is allowed.
@@ -102,6 +116,7 @@ impl Conclusion {
         match self {
             Self::Regression => "FAILED: worse",
             Self::Incomparable => "FAILED: numbers are missing",
+            Self::WorseSince => "FAILED: worse than an earlier run of the history",
             Self::Drift => "FAILED: results changed",
             Self::AllowedDrift => "PASSED, results changed",
             Self::Same => "PASSED",
@@ -111,7 +126,7 @@ impl Conclusion {
     /// Whether the run is good enough.
     pub fn is_pass(self) -> bool {
         match self {
-            Self::Regression | Self::Incomparable | Self::Drift => false,
+            Self::Regression | Self::Incomparable | Self::WorseSince | Self::Drift => false,
             Self::AllowedDrift | Self::Same => true,
         }
     }
@@ -124,6 +139,8 @@ impl Verdict {
             Conclusion::Regression
         } else if self.n(Finding::Incomparable) > 0 {
             Conclusion::Incomparable
+        } else if self.since.as_ref().is_some_and(|it| it.n_worse > 0) {
+            Conclusion::WorseSince
         } else {
             Conclusion::without_loss(!self.drift.is_empty(), self.tolerances.drift)
         }
@@ -159,12 +176,13 @@ impl Verdict {
     /// Number of numbers and claims that are worse than tolerated, whether or not that may be chance. Times differ in every
     /// run: they count only where it is none.
     pub fn n_worse(&self) -> usize {
-        let is_worse = |it: &&GatedMetric| match it.finding {
-            Finding::Regression => true,
-            Finding::Inconclusive => !it.metric.is_time(),
-            Finding::Incomparable | Finding::Pass => false,
-        };
-        self.numbers().filter(is_worse).count() + self.claims.iter().filter(|it| it.is_worse()).count()
+        let n_claims = self.claims.iter().filter(|it| it.is_worse()).count();
+        self.n(Finding::Regression) + self.n_unsure() + n_claims
+    }
+
+    /// How many of these may be worse by chance.
+    pub fn n_unsure(&self) -> usize {
+        self.numbers().filter(|it| it.finding == Finding::Inconclusive && !it.metric.is_time()).count()
     }
 
     /// Number of numbers that changed, so that they may look surely worse by chance; 0 if nothing can be sure. A number that
@@ -266,6 +284,7 @@ fn verdict(
     let speeds = rule.filter(|_| old == new).map_or_else(Vec::new, |it| sides.gated_speeds(it));
     let (detectors, n_scans) = judged(baseline, &before);
     let mut doubts = run.manifest.doubts_in_words();
+    doubts.extend(failures_in_words(run));
     doubts.extend(classes_without_rule([&before, &after], &metrics));
     Ok(Verdict {
         dataset: dataset(baseline, &before),
@@ -281,8 +300,26 @@ fn verdict(
         doubts,
         configuration_changes: configuration_changes(baseline, run),
         new_detectors: detectors_only_in(run, baseline),
+        since: None,
         tolerances: tolerances.clone(),
     })
+}
+
+/// How often each detector of `run` failed, a sentence each: its objects are lost there, whatever it would have found.
+fn failures_in_words(run: &RunArchive) -> Vec<String> {
+    let mut of_detectors: BTreeMap<&str, [BTreeSet<_>; 2]> = BTreeMap::new();
+    for row in &run.scans {
+        let [failed, all] = of_detectors.entry(&row.detector).or_default();
+        let scan = (row.dataset.as_str(), row.sequence.as_str(), row.scan);
+        all.insert(scan);
+        if matches!(&row.outcome, ScanOutcome::Evaluated(numbers) if numbers.failure.is_some()) {
+            failed.insert(scan);
+        }
+    }
+    let of_failing = of_detectors.into_iter().filter(|(_, [failed, _])| !failed.is_empty());
+    of_failing
+        .map(|(name, [failed, all])| format!("{name} failed on {} of {} scans.", failed.len(), all.len()))
+        .collect()
 }
 
 /// Classes that the later run gives falsely more or less often than the earlier one, and that no number of `gated` is about.

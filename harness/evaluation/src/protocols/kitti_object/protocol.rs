@@ -4,6 +4,7 @@ use reports::rows::kitti_object_row::KittiObjectRow;
 use reports::rows::official_rows::OfficialRows;
 use reports::vocabulary::protocol::Protocol;
 use scans::dataset::Dataset;
+use scans::dataset::kitti::label::KittiLabel;
 
 use super::label_facts::{facts_of_detections, facts_of_results};
 use crate::protocols::official_protocol::{FoundInScan, OfficialProtocol};
@@ -18,7 +19,15 @@ impl OfficialProtocol for KittiObjectProtocol {
 
     fn lacks(&self, dataset: &dyn Dataset) -> Option<&'static str> {
         let has_labels = dataset.scan_ids().is_empty() || dataset.kitti_labels(0).is_some();
-        (!has_labels).then_some("has no labels in KITTI's layouts, which say where objects are in the image")
+        if !has_labels {
+            return Some("has no labels in KITTI's layouts, which say where objects are in the image");
+        }
+        let labels = (0..dataset.scan_ids().len()).filter_map(|it| dataset.kitti_labels(it)).flatten();
+        let mut objects = labels.filter_map(KittiLabel::object).peekable();
+        // Converted data have no image.
+        let has_no_image = objects.peek().is_some()
+            && objects.all(|it| it.in_image.image_box.left_top_right_bottom_px == [-1.0; 4]);
+        has_no_image.then_some("has labels that do not say where objects are in the image")
     }
 
     fn rows(&self, found: &FoundInScan<'_>) -> OfficialRows {

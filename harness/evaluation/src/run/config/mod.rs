@@ -18,5 +18,5 @@ pub use error::ConfigError;
 pub use run_config::RunConfig;
 pub use vehicle_model_table::{
     BOXES_FILE, CLUSTERS_FILE, COMPONENTS_FILE, GROUPINGS_FILE, NESTED_FILE, PAPER_FILE, PCA_FILE,
-    TrainedModel, VehicleModels,
+    TrainedModel, VEHICLE_MODEL, VEHICLE_MODEL_TOML, VehicleModels,
 };

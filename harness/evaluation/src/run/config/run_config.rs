@@ -22,7 +22,9 @@ use super::override_option::{OverrideOption, OverrideOptions};
 use super::parameter_tree::parameters;
 use super::slice_table::{OwnSlices, SLICES};
 use super::value_problem::ValueProblem;
-use super::vehicle_model_table::{TrainedModel, VEHICLE_MODEL_TOML, VehicleModels, vehicle_models_from};
+use super::vehicle_model_table::{
+    TrainedModel, VEHICLE_MODEL, VEHICLE_MODEL_TOML, VehicleModels, vehicle_models_from,
+};
 use crate::matching::assign::MatchingParams;
 use crate::matching::class_criteria::ClassCriteria;
 use crate::matching::criterion::Criterion;
@@ -51,6 +53,8 @@ pub struct RunConfig {
     pub foreign: Vec<ForeignDetector>,
     /// The file; `None` if there is none.
     pub file: Option<PathBuf>,
+    /// Directories of models that the file of a project names, by parameter.
+    models_of_project: BTreeMap<&'static str, String>,
     /// The sensor of the scans, once known.
     pub sensor: Option<String>,
     /// Density curves, learned from their scans, of data sets whose sensor has no shipped one; by id and sensor.
@@ -58,9 +62,6 @@ pub struct RunConfig {
     /// All parameters as one document, for the manifest; without the density curve if it is the sensor's.
     pub resolved: Table,
 }
-
-/// The table of the models that classify vehicles.
-const VEHICLE_MODEL: &str = "vehicle_model";
 
 /// All parameters with their shipped values.
 pub(super) fn shipped() -> Table {
@@ -81,13 +82,30 @@ impl RunConfig {
     /// [`ConfigError`] if the file cannot be read, or holds unknown parameters or values that cannot be used.
     pub fn load(overrides: Option<&Path>) -> Result<Self, ConfigError> {
         let Some(path) = overrides else { return Self::resolve("", Path::new("built-in configuration")) };
-        let bytes =
-            read_settings(path).map_err(|source| ConfigError::Io { path: path.to_owned(), source })?;
-        let text = String::from_utf8(bytes).map_err(|error| ConfigError::NotText {
-            path: path.to_owned(),
-            byte_offset: error.utf8_error().valid_up_to(),
-        })?;
-        Ok(Self { file: Some(path.to_owned()), ..Self::resolve(&text, path)? })
+        Ok(Self { file: Some(path.to_owned()), ..Self::resolve(&text_of(path)?, path)? })
+    }
+
+    /// As [`Self::load`], of a file that is for all commands of a project: detectors that read other models than it names do
+    /// not mind.
+    ///
+    /// # Errors
+    ///
+    /// As [`Self::load`].
+    pub fn of_project(path: &Path) -> Result<Self, ConfigError> {
+        let config = Self::load(Some(path))?;
+        let models = TrainedModel::ALL.into_iter().filter_map(|it| Some((it, config.directory_of(it)?)));
+        let models = models.map(|(model, directory)| (model.parameter(), directory.to_owned())).collect();
+        Ok(Self { models_of_project: models, ..config })
+    }
+
+    /// Meanings of class names in labels that the file at `path` has. Its own classes are known from then on.
+    ///
+    /// # Errors
+    ///
+    /// [`ConfigError`] as [`Self::load`], but for values that cannot be used.
+    pub fn classes_in(path: &Path) -> Result<ClassTable, ConfigError> {
+        let text = text_of(path)?;
+        Ok(OverrideFile { path, text: &text }.apply(&mut shipped())?.classes)
     }
 
     /// The shipped parameters, with vehicles classified by their size. No model is read, so the models of the program may be
@@ -173,7 +191,8 @@ impl RunConfig {
         let config = self.changed_to(resolved).map_err(|problem| options.value_error(problem))?;
         let (classes, foreign) = (self.classes.clone(), self.foreign.clone());
         let (file, sensor, own_curves) = (self.file.clone(), self.sensor.clone(), self.own_curves.clone());
-        Ok(Self { classes, foreign, file, sensor, own_curves, ..config })
+        let models_of_project = self.models_of_project.clone();
+        Ok(Self { classes, foreign, file, models_of_project, sensor, own_curves, ..config })
     }
 
     /// The full name of the parameter that `option` names, by the rules of [`Self::overridden`].
@@ -201,10 +220,17 @@ impl RunConfig {
         self.value_of(model.parameter()).and_then(Value::as_str).filter(|it| !it.is_empty())
     }
 
+    /// The directory of `model`, unless the file of the project names it.
+    pub fn directory_asked_for(&self, model: TrainedModel) -> Option<&str> {
+        let of_project = self.models_of_project.get(model.parameter());
+        self.directory_of(model).filter(|it| of_project.is_none_or(|of_project| of_project != it))
+    }
+
     fn resolve(overrides: &str, path: &Path) -> Result<Self, ConfigError> {
         let file = OverrideFile { path, text: overrides };
         let mut resolved = shipped();
         let applied = file.apply(&mut resolved)?;
+        name_models_from_here(&mut resolved, path);
         if !applied.gives_density_curve
             && let Some(Value::Table(weighting)) = resolved["hierarchical"].get_mut("density_weighting")
         {
@@ -261,11 +287,35 @@ impl RunConfig {
             vehicle_models,
             classes: ClassTable::default(),
             file: None,
+            models_of_project: BTreeMap::new(),
             sensor: None,
             own_curves: BTreeMap::new(),
             foreign: Vec::new(),
             resolved,
         })
+    }
+}
+
+fn text_of(path: &Path) -> Result<String, ConfigError> {
+    let bytes = read_settings(path).map_err(|source| ConfigError::Io { path: path.to_owned(), source })?;
+    String::from_utf8(bytes).map_err(|error| ConfigError::NotText {
+        path: path.to_owned(),
+        byte_offset: error.utf8_error().valid_up_to(),
+    })
+}
+
+/// Directories of models in a file are relative to it, wherever the program runs.
+fn name_models_from_here(resolved: &mut Table, path: &Path) {
+    let here = std::env::current_dir().ok();
+    let is_elsewhere = |it: &&Path| !it.as_os_str().is_empty() && here.as_deref() != Some(*it);
+    let Some(folder) = path.parent().filter(is_elsewhere) else { return };
+    let Some(Value::Table(models)) = resolved.get_mut(VEHICLE_MODEL) else { return };
+    for (_, directory) in models.iter_mut() {
+        if let Value::String(directory) = directory
+            && !directory.is_empty()
+        {
+            *directory = folder.join(&*directory).to_string_lossy().into_owned();
+        }
     }
 }
 

@@ -17,16 +17,20 @@ use serde::Deserialize;
 
 use super::value_problem::ValueProblem;
 
+/// The table of the models that classify vehicles.
+pub const VEHICLE_MODEL: &str = "vehicle_model";
+
 /// Default values of the table: the models that come with the program.
-pub(super) const VEHICLE_MODEL_TOML: &str = r#"
-enabled = true
-groupings_directory = ""
-rivals_directory = ""
-clusters_directory = ""
-paper_directory = ""
-paper_as_printed = false
-pca_directory = ""
-boxes_directory = ""
+pub const VEHICLE_MODEL_TOML: &str = r#"
+enabled = true              # false: vehicles are told from other objects by their size
+# Folders that `scanbench train` wrote, relative to this file; "": what comes with the program
+groupings_directory = ""    # of hierarchical
+rivals_directory = ""       # of kd-tree-trained and kd-tree-tree
+clusters_directory = ""     # of kd-tree, simple-grid, and detectors that give no classes
+paper_directory = ""        # of paper
+paper_as_printed = false    # true: with the printed constants of the classifier
+pca_directory = ""          # of pca
+boxes_directory = ""        # of the boxes of whole vehicles, of all detectors but those of the papers
 "#;
 
 #[derive(Deserialize)]

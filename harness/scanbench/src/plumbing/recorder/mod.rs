@@ -10,7 +10,7 @@ use evaluation::run::compared_detector::ComparedDetector;
 use evaluation::run::scan_recorder::{FigureView, RecordingEnding, ScanRecorder as _, Served};
 use reports::vocabulary::task::Task;
 
-use crate::cli::StreamArgs;
+use crate::cli::{NoRecordingArgs, StreamArgs};
 use crate::plumbing::failure::Failure;
 use crate::plumbing::interruption::interruption_flag;
 use crate::plumbing::open_datasets::OpenedDataset;
@@ -30,6 +30,13 @@ pub use without_viewer::{
     Recorder, begin, is_wanted, record_growths, record_marks, record_stream, record_sweep, records_growths,
     rerun_version,
 };
+
+/// Says that `--no-rrd` changes nothing for `study`, which never writes a recording, if it is given.
+pub fn say_that_none_is_written(arguments: &NoRecordingArgs, study: &str) {
+    if arguments.no_rrd {
+        print_diagnostic(format_args!("--no-rrd changes nothing: `{study}` never writes a Rerun recording"));
+    }
+}
 
 /// Where a recording is written unless the user names a file.
 #[derive(Debug, Clone, PartialEq, Eq)]

@@ -7,11 +7,11 @@ use evaluation::run::config::RunConfig;
 use reports::files::whole_file::WholeFile;
 use scans::dataset::AnnotatedClasses;
 use scans::dataset::catalogue::parse_catalogue;
-use scans::dataset::class_table::ClassTable;
 use scans::dataset::text_file::read_text_file;
 use simulator::simulated_street::StreetDrive;
 
 use crate::cli::{AddArgs, CatalogueArgs, DatasetArgs};
+use crate::plumbing::config::classes_of_project;
 use crate::plumbing::failure::{Failure, Usage};
 use crate::plumbing::first_look::look_first;
 use crate::plumbing::open_datasets::{OpenedDataset, open_datasets};
@@ -56,7 +56,7 @@ fn open(arguments: &AddArgs) -> Result<OpenedDataset, Failure> {
     let path = Path::new(&arguments.path);
     let whole = std::path::absolute(path).unwrap_or_else(|_| path.to_path_buf());
     let data = DatasetArgs { datasets: vec![whole.display().to_string()], scans: None, source };
-    let opened = open_datasets(&data, &ClassTable::default())?;
+    let opened = open_datasets(&data, &classes_of_project()?)?;
     let Some(opened) = opened.into_iter().next() else {
         return Err(Usage(format!("there is no data set at {:?}", arguments.path)).into());
     };

@@ -6,11 +6,11 @@ use evaluation::run::side_by_side::RunError;
 use rayon::prelude::*;
 use scans::data_check::check_report::{CheckReport, CheckedScan};
 use scans::data_check::scan_facts::ScanFacts;
-use scans::dataset::class_table::ClassTable;
 use scans::dataset::source::DamagePolicy;
 use scans::dataset::{DatasetError, Nearness};
 
 use crate::cli::CheckArgs;
+use crate::plumbing::config::classes_of_project;
 use crate::plumbing::failure::Failure;
 use crate::plumbing::first_look::check_first_scans;
 use crate::plumbing::interruption::interruption_flag;
@@ -26,7 +26,7 @@ pub fn data_check(arguments: &CheckArgs) -> Result<(), Failure> {
     let interrupted = interruption_flag();
     let mut first_damage = None;
     for (index, opened) in
-        open_datasets_past_damage(&arguments.data, arguments.damage.policy(), &ClassTable::default())?
+        open_datasets_past_damage(&arguments.data, arguments.damage.policy(), &classes_of_project()?)?
             .iter()
             .enumerate()
     {

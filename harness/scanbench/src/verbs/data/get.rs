@@ -9,6 +9,7 @@ use scans::dataset::root_template::UnsetVariable;
 use simulator::catalogue::Catalogue;
 
 use crate::cli::GetArgs;
+use crate::plumbing::config::classes_of_project;
 use crate::plumbing::failure::{Failure, Usage};
 use crate::plumbing::open_datasets::open_catalogue;
 use crate::plumbing::remote::{GetPlan, get};
@@ -16,6 +17,8 @@ use crate::plumbing::standard_streams::{print_diagnostic, print_result};
 
 /// Fetches a data set that its makers give without a login, or the file of a link from them, once its licence is accepted.
 pub fn data_get(arguments: &GetArgs) -> Result<(), Failure> {
+    // A catalogue may name classes of the user.
+    classes_of_project()?;
     let catalogue = open_catalogue(arguments.catalogue.catalogue.as_deref())?;
     let id = arguments.dataset.as_str();
     let entry = recorded(id, &catalogue)?;

@@ -11,6 +11,7 @@ use simulator::open::{OpenOptions, open_dataset};
 use simulator::simulated_street::StreetDrive;
 
 use crate::cli::HashArgs;
+use crate::plumbing::config::classes_of_project;
 use crate::plumbing::failure::{Failure, Usage};
 use crate::plumbing::open_datasets::open_catalogue;
 use crate::plumbing::remote::local_name;
@@ -19,6 +20,8 @@ use crate::plumbing::standard_streams::print_result;
 /// Prints the checksums of data sets, and writes them into the catalogue if asked to.
 pub fn data_hash(arguments: &HashArgs) -> Result<(), Failure> {
     let path = arguments.catalogue.catalogue.as_deref();
+    // A catalogue may name classes of the user.
+    classes_of_project()?;
     let mut catalogue = open_catalogue(path)?;
     let mut text = match path {
         Some(path) if arguments.write => Some((path, read_text_file(path)?)),

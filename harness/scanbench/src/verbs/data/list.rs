@@ -5,12 +5,15 @@ use scans::dataset::class_table::whatever_classes;
 use simulator::open::{OpenOptions, open_dataset};
 
 use crate::cli::CatalogueArgs;
+use crate::plumbing::config::classes_of_project;
 use crate::plumbing::failure::Failure;
 use crate::plumbing::open_datasets::open_catalogue;
 use crate::plumbing::standard_streams::{print_result, result_width};
 
 /// Prints every data set of the catalogue, and for each whether it is there and how many scans it has.
 pub fn data_list(arguments: &CatalogueArgs) -> Result<(), Failure> {
+    // A catalogue may name classes of the user.
+    classes_of_project()?;
     let catalogue = open_catalogue(arguments.catalogue.as_deref())?;
     let names = catalogue.groups.keys().chain(catalogue.ids());
     let width = names.map(String::len).max().unwrap_or(0);

@@ -74,6 +74,7 @@ fn against(arguments: &RealismArgs) -> DatasetArgs {
             simulated_scans: None,
             sensor: None,
             sensor_height: None,
+            labels_ahead: None,
             transform: None,
             columns: None,
             cache: arguments.data.source.cache.clone(),

@@ -26,7 +26,9 @@ use scans::object_cloud::object_cloud_set::ObjectCloudSet;
 use crate::cli::PartialArgs;
 use crate::plumbing::failure::Failure;
 use crate::plumbing::paper_files::{write_figure, write_table};
-use crate::plumbing::provenance::{command_line, git_state, machine, rfc3339_utc, rustc_version};
+use crate::plumbing::provenance::{
+    command_line, git_state, machine, project_state, rfc3339_utc, rustc_version,
+};
 use crate::plumbing::recorder::rerun_version;
 use crate::plumbing::standard_streams::terminal;
 use crate::verbs::partial::sets::{Compared, Known, trained_on};
@@ -71,6 +73,7 @@ pub fn manifest(arguments: &PartialArgs, sets: &[Compared], started: Timestamp) 
         argv: command_line(),
         n_repeats: 1,
         git: git_state(),
+        project: project_state(),
         rustc_version: rustc_version(),
         rerun_version: rerun_version(),
         machine: machine(),

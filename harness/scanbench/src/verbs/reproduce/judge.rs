@@ -134,10 +134,13 @@ impl<'a> Judge<'a> {
             return (readings, None);
         }
         let letter = Pair { method: LETTER_DETECTOR, ..pair };
-        readings.push(seen(LETTER, Basis::Open, &leads(letter)));
+        readings.push(seen(LETTER, Basis::Open, &leads_over_all(letter, leads)));
         let on_each = scenes == "every";
         let of_points = criteria().iter().skip(1).enumerate();
-        readings.extend(of_points.map(|(idx, criterion)| self.by_criterion(pair, idx, criterion, on_each)));
+        let by_criteria = of_points.map(|(idx, criterion)| self.by_criterion(pair, idx, criterion, on_each));
+        // They have no interval; where that of good faith rests on too few blocks, theirs would, too.
+        let is_known = leads(pair).iter().all(SceneLead::is_known);
+        readings.extend(by_criteria.map(|it| Seen { holds: it.holds.filter(|_| is_known), ..it }));
         readings.extend(step_readings(pair, leads));
         (readings, self.settings.and_then(|it| it.n_leading(pair.task, on_each)))
     }
@@ -146,11 +149,13 @@ impl<'a> Judge<'a> {
         let rival_idx = 1 + RIVALS.iter().position(|it| it.0 == pair.rival).expect("it was looked at");
         let scenes: Vec<Vec<usize>> =
             if on_each { (0..self.datasets.len()).map(|it| vec![it]).collect() } else { self.by_origin() };
-        let (mut numbers, mut differences, mut holds) = (Vec::new(), Vec::new(), true);
+        let (mut numbers, mut differences, mut holds, mut n_unknown) = (Vec::new(), Vec::new(), true, 0);
         for scene in scenes {
             let rate = |detector_idx| self.by_criterion.f_rate(&scene, point_idx, detector_idx, pair.task);
-            // As in the leads of the run, where the rate is undefined there is none.
-            let Some((method, rival)) = rate(0).zip(rate(rival_idx)) else { continue };
+            let Some((method, rival)) = rate(0).zip(rate(rival_idx)) else {
+                n_unknown += 1;
+                continue;
+            };
             numbers.push(format!("{} against {}", percent(method), percent(rival)));
             differences.push(signed_percent(method - rival));
             holds &= method > rival;
@@ -160,7 +165,8 @@ impl<'a> Judge<'a> {
             basis: Basis::Open,
             numbers: numbers.join("; "),
             difference: differences.join("; "),
-            holds: (!numbers.is_empty()).then_some(holds),
+            // One scene where it does not hold refutes it; a scene that nothing is known of leaves it open.
+            holds: (!numbers.is_empty() && (n_unknown == 0 || !holds)).then_some(holds),
         }
     }
 

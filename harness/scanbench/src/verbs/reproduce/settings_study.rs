@@ -55,7 +55,8 @@ impl CountedPoints {
         Ok(Self { counts })
     }
 
-    /// The F-rate at a point on these data sets together; `None` where false detections are not known.
+    /// The F-rate at a point on these data sets together; `None` where false detections are not known, or no annotation
+    /// counts.
     pub fn f_rate(
         &self,
         dataset_idxs: &[usize],
@@ -69,7 +70,7 @@ impl CountedPoints {
             sum += it;
             sum
         });
-        sum?.f_rate()
+        sum.filter(|it| it.no() > 0)?.f_rate()
     }
 
     pub fn n_datasets(&self) -> usize {
@@ -120,6 +121,7 @@ fn development_streets(asked: &DatasetArgs) -> DatasetArgs {
         simulated_scans,
         sensor,
         sensor_height: None,
+        labels_ahead: None,
         transform: None,
         columns: None,
         cache: None,

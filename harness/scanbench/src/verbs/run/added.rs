@@ -167,6 +167,7 @@ fn joined(mut before: Manifest, after: Manifest) -> Manifest {
             }
         }
     }
+    before.scoring_version = before.scoring_version.max(after.scoring_version);
     before.detectors.extend(after.detectors);
     before
 }

@@ -5,7 +5,7 @@ use crate::plumbing::official_evaluation::warning_of_no_ground;
 use crate::plumbing::paper_files::{write_figure, write_table};
 use crate::plumbing::progress::progress_over_results;
 use crate::plumbing::run_manifest::detector_entry;
-use crate::plumbing::standard_streams::{print_diagnostic, terminal};
+use crate::plumbing::standard_streams::{Verbosity, is_said, print_diagnostic, terminal};
 use evaluation::run::compared_detector::ComparedDetector;
 use evaluation::run::config::RunConfig;
 use evaluation::run::detector_list::built_in_named;
@@ -27,6 +27,7 @@ use reports::run_folder::run_directory::{
 };
 use reports::tables::formats::format::Format as _;
 use reports::tables::studies::fitness_table::{FitnessTable, fitness_sentences};
+use reports::tables::studies::sweep_rates::SweepRates;
 use reports::tables::studies::sweep_recommendation::recommendations;
 use reports::tables::studies::sweep_table::SweepTable;
 use reports::tables::studies::swept_protocol_table::SweptProtocolTable;
@@ -52,15 +53,20 @@ pub fn write_sweep(directory: &RunDirectory, sweep: &SweepScores) -> Result<Stri
     let verdicts = fitness_verdicts(sweep);
     let table = SweepTable { sweep };
     write_table(directory, "sweep", &table)?;
-    let mut printed = terminal().text(&table);
+    let rates = SweepRates { sweep };
+    let mut printed = format!("{}\n{}", terminal().text(&table), terminal().text(&rates));
     if !verdicts.is_empty() {
         let mut rows = CsvRowWriter::new(directory.begin_file("cell_fitness.csv")?)?;
         verdicts.iter().try_for_each(|it| rows.write(it))?;
         rows.finish()?;
         let table = FitnessTable { verdicts: &verdicts };
         write_table(directory, "cell_fitness", &table)?;
-        printed.push('\n');
-        printed.push_str(&terminal().text(&table));
+        if is_said(Verbosity::Verbose) {
+            printed.push('\n');
+            printed.push_str(&terminal().text(&table));
+        } else {
+            printed.push_str("\nWhat each reading of the cell fitness recommends: cell_fitness.md, or -v.\n");
+        }
     }
     Ok(printed)
 }

@@ -10,7 +10,6 @@ use evaluation::training::box_training::{
     right_iou, train_boxes as train_trees,
 };
 use jiff::Timestamp;
-use reports::run_folder::command_line::shell_word;
 use reports::run_folder::run_directory::RunDirectory;
 use reports::run_folder::run_target::{LatestPointer, MANIFEST_JSON};
 
@@ -22,9 +21,9 @@ use crate::plumbing::open_datasets::ids_of;
 use crate::plumbing::progress::progress_over_results;
 use crate::plumbing::provenance::compact_utc;
 use crate::plumbing::run_directory::{claim_named, claim_unnamed};
-use crate::plumbing::standard_streams::{print_diagnostic, print_result_in};
+use crate::plumbing::standard_streams::print_result_in;
 use crate::verbs::train::data::{TrainingData, nothing};
-use crate::verbs::train::files::manifest;
+use crate::verbs::train::files::{manifest, print_run_command};
 use crate::verbs::train::groupings::drives;
 
 /// Trains the model that makes boxes whole, judges it by drives it has not seen, and writes and prints the result.
@@ -86,8 +85,7 @@ pub fn train_boxes(arguments: &BoxTrainingArgs) -> Result<(), Failure> {
     directory.write_file(BOXES_FILE, &models.to_file(made).to_bytes())?;
     let finished = directory.finish()?;
     let printed = print_result_in("Model", &finished, texts.join("\n\n"));
-    let setting = shell_word(&format!("vehicle_model.boxes_directory={}", finished.display()));
-    print_diagnostic(format_args!("Run it: scanbench run -P {setting}"));
+    print_run_command("", "boxes", &finished, &[]);
     printed
 }
 

@@ -16,7 +16,6 @@ use evaluation::training::operating_curves::OperatingCurves;
 use evaluation::training::prototypes::is_seen_well;
 use evaluation::training::{CHOICE_SEED, PROTOTYPES};
 use jiff::Timestamp;
-use reports::run_folder::command_line::shell_word;
 use reports::run_folder::run_directory::RunDirectory;
 use reports::run_folder::run_target::{LatestPointer, MANIFEST_JSON};
 
@@ -26,10 +25,10 @@ use crate::plumbing::interruption::interruption_flag;
 use crate::plumbing::open_datasets::ids_of;
 use crate::plumbing::provenance::compact_utc;
 use crate::plumbing::run_directory::{claim_named, claim_unnamed};
-use crate::plumbing::standard_streams::{print_diagnostic, print_result_in};
+use crate::plumbing::standard_streams::print_result_in;
 use crate::verbs::train::clusters::{ClustersOf, prototypes_of};
 use crate::verbs::train::data::{TrainingData, TrainingParameters, nothing, weights_of};
-use crate::verbs::train::files::manifest;
+use crate::verbs::train::files::{manifest, print_run_command};
 use crate::verbs::train::groupings::{check_odds, drives, options, prototypes_from};
 
 /// Trains the model that classifies clusters, evaluates it on held-out drives, and writes and prints the result.
@@ -55,8 +54,7 @@ pub fn train_clusters(arguments: &TreeTrainingArgs) -> Result<(), Failure> {
     directory.write_file(CLUSTERS_FILE, &file.to_bytes())?;
     let finished = directory.finish()?;
     let printed = print_result_in("Model", &finished, text);
-    let setting = shell_word(&format!("vehicle_model.clusters_directory={}", finished.display()));
-    print_diagnostic(format_args!("Run it: scanbench run -d kd-tree -P {setting}"));
+    print_run_command("-d kd-tree", "clusters", &finished, &arguments.parameters);
     printed
 }
 

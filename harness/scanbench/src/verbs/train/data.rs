@@ -36,6 +36,7 @@ fn beside(
             simulated_scans: None,
             sensor: None,
             sensor_height: None,
+            labels_ahead: None,
             transform: None,
             columns: None,
             cache: data.source.cache.clone(),

@@ -1,8 +1,11 @@
 //! Files of `scanbench train`.
 
+use std::path::Path;
+
 use detector::classify::model_file::ModelFile;
 use detector::classify::nu_svm::NuSvm;
 use detector::classify::svm_model::SvmModel;
+use evaluation::run::config::override_option::OverrideOption;
 use evaluation::training::candidates::Candidate;
 use evaluation::training::described_object::DescribedObject;
 use evaluation::training::evaluation::Evaluation;
@@ -12,6 +15,7 @@ use reports::files::csv_rows::to_csv_bytes;
 use reports::numbers::operating_curve::OperatingRow;
 use reports::plots::operating_plot::operating_plot;
 use reports::rows::training_row::{ImportanceRow, JudgedObjectFacts, JudgedObjects};
+use reports::run_folder::command_line::shell_word;
 use reports::run_folder::run_target::MANIFEST_JSON;
 
 use crate::cli::DatasetArgs;
@@ -19,6 +23,7 @@ use crate::plumbing::failure::Failure;
 use crate::plumbing::open_datasets::OpenedDataset;
 use crate::plumbing::provenance::{command_line, git_state, rfc3339_utc, rustc_version};
 use crate::plumbing::run_manifest::dataset_entry;
+use crate::plumbing::standard_streams::print_diagnostic;
 use crate::verbs::train::data::TrainingData;
 
 /// A model and how it was judged.
@@ -31,6 +36,16 @@ pub struct TrainedModel<'a, const D: usize> {
     pub judged: Vec<(&'a str, &'a Candidate, DescribedObject<D>)>,
     /// How the classifier does on them.
     pub evaluation: Evaluation<D>,
+}
+
+/// Prints the command that runs what was trained: with the option that chooses its `detectors`, the model's `folder`, and the
+/// parameters that it was trained with.
+pub fn print_run_command(detectors: &str, model: &str, folder: &Path, parameters: &[OverrideOption]) {
+    let setting = format!("vehicle_model.{model}_directory={}", folder.display());
+    let parameters = parameters.iter().map(ToString::to_string).chain([setting]);
+    let parameters: Vec<String> = parameters.map(|it| format!("-P {}", shell_word(&it))).collect();
+    let chosen = if detectors.is_empty() { String::new() } else { format!("{detectors} ") };
+    print_diagnostic(format_args!("Run it: scanbench run {chosen}{}", parameters.join(" ")));
 }
 
 /// The files by their names.

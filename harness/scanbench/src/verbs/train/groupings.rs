@@ -25,7 +25,6 @@ use reports::files::csv_rows::to_csv_bytes;
 use reports::files::regular_file::{MOST_OF_MODEL, read_bytes};
 use reports::numbers::calibration::{CalibrationBin, calibration};
 use reports::rows::training_row::CalibrationRow;
-use reports::run_folder::command_line::shell_word;
 use reports::run_folder::run_directory::RunDirectory;
 use reports::run_folder::run_target::{LatestPointer, MANIFEST_JSON};
 
@@ -37,9 +36,9 @@ use crate::plumbing::open_datasets::{OpenedDataset, ids_of};
 use crate::plumbing::progress::progress_over_results;
 use crate::plumbing::provenance::compact_utc;
 use crate::plumbing::run_directory::{claim_named, claim_unnamed};
-use crate::plumbing::standard_streams::{print_diagnostic, print_result_in};
+use crate::plumbing::standard_streams::print_result_in;
 use crate::verbs::train::data::{TrainingData, TrainingParameters, nothing, weights_of};
-use crate::verbs::train::files::manifest;
+use crate::verbs::train::files::{manifest, print_run_command};
 
 /// Trains all forests, judges them by drives they have not seen, and writes and prints the result.
 pub fn train_groupings(arguments: &TreeTrainingArgs) -> Result<(), Failure> {
@@ -75,8 +74,7 @@ pub fn train_groupings(arguments: &TreeTrainingArgs) -> Result<(), Failure> {
     let finished = directory.finish()?;
     let printed =
         print_result_in("Model", &finished, format_args!("{}\n\n{}", drives(&data.parted), trained.text()));
-    let setting = shell_word(&format!("vehicle_model.groupings_directory={}", finished.display()));
-    print_diagnostic(format_args!("Run it: scanbench run -d hierarchical -P {setting}"));
+    print_run_command("-d hierarchical", "groupings", &finished, &arguments.parameters);
     printed
 }
 

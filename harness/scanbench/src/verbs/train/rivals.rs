@@ -18,7 +18,6 @@ use evaluation::training::grouping_training::best_tolerances;
 use evaluation::training::model_odds::ModelOdds;
 use jiff::Timestamp;
 use reports::files::csv_rows::to_csv_bytes;
-use reports::run_folder::command_line::shell_word;
 use reports::run_folder::run_directory::RunDirectory;
 use reports::run_folder::run_target::{LatestPointer, MANIFEST_JSON};
 
@@ -28,10 +27,10 @@ use crate::plumbing::interruption::interruption_flag;
 use crate::plumbing::open_datasets::{OpenedDataset, ids_of};
 use crate::plumbing::provenance::compact_utc;
 use crate::plumbing::run_directory::{claim_named, claim_unnamed};
-use crate::plumbing::standard_streams::{print_diagnostic, print_result_in};
+use crate::plumbing::standard_streams::print_result_in;
 use crate::verbs::train::cluster_model::prototypes_in;
 use crate::verbs::train::data::{TrainingData, TrainingParameters, nothing};
-use crate::verbs::train::files::manifest;
+use crate::verbs::train::files::{manifest, print_run_command};
 use crate::verbs::train::groupings::{
     TrainedTrees, check_odds, drives, groups_of_all, options, prototypes_from,
 };
@@ -65,8 +64,7 @@ pub fn train_rivals(arguments: &TreeTrainingArgs) -> Result<(), Failure> {
     }
     let finished = directory.finish()?;
     let printed = print_result_in("Models", &finished, text);
-    let setting = shell_word(&format!("vehicle_model.rivals_directory={}", finished.display()));
-    print_diagnostic(format_args!("Run them: scanbench run -d kd-tree-trained,kd-tree-tree -P {setting}"));
+    print_run_command("-d kd-tree-trained,kd-tree-tree", "rivals", &finished, &arguments.parameters);
     printed
 }
 

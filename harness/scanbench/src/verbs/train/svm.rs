@@ -20,7 +20,6 @@ use evaluation::training::model_kind::ModelKind;
 use evaluation::training::selection::select;
 use evaluation::training::{CHOICE_SEED, PROTOTYPES};
 use jiff::Timestamp;
-use reports::run_folder::command_line::shell_word;
 use reports::run_folder::run_directory::RunDirectory;
 use reports::run_folder::run_target::LatestPointer;
 
@@ -30,11 +29,11 @@ use crate::plumbing::interruption::interruption_flag;
 use crate::plumbing::open_datasets::ids_of;
 use crate::plumbing::provenance::compact_utc;
 use crate::plumbing::run_directory::{claim_named, claim_unnamed};
-use crate::plumbing::standard_streams::{print_diagnostic, print_result_in};
+use crate::plumbing::standard_streams::print_result_in;
 use crate::verbs::train::clusters::{ClustersOf, prototypes_of};
 use crate::verbs::train::cross_validation::FoldedCandidates;
 use crate::verbs::train::data::{TrainingData, nothing};
-use crate::verbs::train::files::{TrainedModel, write_files};
+use crate::verbs::train::files::{TrainedModel, print_run_command, write_files};
 use crate::verbs::train::summary::summary;
 
 /// Largest number of steps of training. A ν below the share of objects that look like the other class needs so many.
@@ -77,8 +76,7 @@ pub fn train_svm(arguments: &SvmTrainingArgs, kind: ModelKind) -> Result<(), Fai
     let finished = directory.finish()?;
     let printed = print_result_in("Model", &finished, printed);
     let detector = kind.detector();
-    let setting = shell_word(&format!("vehicle_model.{detector}_directory={}", finished.display()));
-    print_diagnostic(format_args!("Run it: scanbench run -d {detector} -P {setting}"));
+    print_run_command(&format!("-d {detector}"), detector, &finished, &[]);
     printed
 }
 

@@ -123,6 +123,12 @@ fn leave_out_unpaired(
             without_labels.insert(scan);
         }
     }
+    if let Some(other) = other_file_of(labels, &without_labels)?.filter(|_| damage == DamagePolicy::Refuse) {
+        let problem =
+            "is named as a scan, but is not read: labels are NAME.json, or NAME.txt as KITTI has them"
+                .to_owned();
+        return Err(DatasetError::damaged(other, problem));
+    }
     scans.retain(|(_, path)| !without_labels.contains(path));
     let without_scan = labels_without_scans(labels, &all)?;
     let unpaired = UnpairedFiles {
@@ -183,6 +189,15 @@ impl Dataset for ScanFolder {
         self.columns.described()
     }
 
+    /// Labels of all scans in one file are not read.
+    fn note_of_labels(&self) -> Option<String> {
+        let root = self.listing.description.root.as_ref().filter(|_| self.labels.is_none())?;
+        let is_of_labels = |it: &PathBuf| it.is_file() && stem_of(it).to_lowercase().contains("label");
+        let file = entries_of(root).ok()?.into_iter().find(is_of_labels)?;
+        let name = name_of(&file);
+        Some(format!("{name:?} is not read: every scan has a file of its own in a folder `labels`"))
+    }
+
     fn file_name(&self, scan_idx: usize) -> Option<&str> {
         self.names.get(scan_idx).map(String::as_str)
     }
@@ -241,6 +256,13 @@ fn labels_without_scans(labels: &Path, scans: &[PathBuf]) -> Result<Vec<PathBuf>
     files.retain(|path| !path.ends_with("_classes.json"));
     files.retain(|path| path.file_stem().is_none_or(|it| !stems.contains(it)));
     Ok(files)
+}
+
+/// The first file in `labels` that has the name of one of `scans`, and an ending that no labels have.
+fn other_file_of(labels: &Path, scans: &BTreeSet<&PathBuf>) -> Result<Option<PathBuf>, DatasetError> {
+    let stems: BTreeSet<&OsStr> = scans.iter().filter_map(|it| it.file_stem()).collect();
+    let files = entries_of(labels)?;
+    Ok(files.into_iter().find(|it| it.is_file() && it.file_stem().is_some_and(|it| stems.contains(it))))
 }
 
 /// Whether the file at `path` holds labels, and is no other file beside them, such as a readme or a list of classes.
