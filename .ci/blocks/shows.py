@@ -256,6 +256,8 @@ def claims(results: list[Result], paper: str) -> str:
         if it["settings"]:
             verdict += f"; {it['settings'][0]} of {it['settings'][1]} settings"
         here = "; ".join(filter(None, [first["numbers"], first["difference"]]))
+        if it["claim"]["test"]["kind"] == "faster":
+            here += "".join(f"; {other['reading']}: {other['difference']}" for other in others)
         lines[it["claim"]["says"], it["claim"]["printed"], here, verdict] = []
     summary = ", ".join(f"{verdict}: {n}" for verdict, n in verdicts.most_common())
     return f"{verdicts.total()} claims ({summary}).\n\n{table(['claim', 'printed', 'here', 'verdict'], lines)}"

@@ -229,7 +229,7 @@ READINGS = [
         ("good faith", "text", "1", "-1"), ("with walls", "ours", "2", ""), ("by centre", "open", "3", "")]
 ]
 CLAIM = {"readings": READINGS, "settings": [1, 9], "verdict": "holds_with_readings"}
-CLAIMS = [CLAIM | {"claim": {"paper": paper, "printed": "83", "says": "It leads."}} for paper in ("HG", "VM")]
+CLAIMS = [CLAIM | {"claim": {"paper": paper, "printed": "83", "says": "It leads.", "test": {"kind": "lead"}}} for paper in ("HG", "VM")]
 RATES = """source,dataset,detector,no,precision,recall,f_rate,f_rate_low,f_rate_high,fps_mean,few_blocks
 measured,overall,grid,9,0.5,0.5,0.5,0.4,0.6,12.3,true
 """

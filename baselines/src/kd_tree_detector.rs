@@ -16,7 +16,8 @@ use detector::{OrientedBox, PointCloud, StageProduct, stage};
 use crate::COMPONENTS;
 use crate::cluster_boxes::{ClusterBoxes, ClusterFit};
 use crate::kd_tree_components::{KdTreeScratch, kd_tree_components};
-use crate::params::{ForegroundChoice, KdTreeParams};
+use crate::nested_components::NestedComponents;
+use crate::params::{ForegroundChoice, KdTreeParams, NeighborSearch};
 
 /// Objects as Euclidean components of points, for a sensor `sensor_height_m` above the road.
 ///
@@ -47,7 +48,7 @@ pub fn kd_tree(
         ForegroundChoice::All => Stages::default().then(stage::FOREGROUND, FinitePoints),
     };
     let stages = foreground
-        .then(COMPONENTS, components(params.tolerance_m))
+        .then(COMPONENTS, Components::new(params))
         .then(stage::BOXES, ClusterBoxes::new(HullFit { n_points, box_fit: ConvexHullBox::default() }))
         .and(object_stages(&shared, models));
     let frame = Frame::new(PointClusters::new(&front_end), &front_end, sensor_height_m);
@@ -113,13 +114,45 @@ impl Stage<PointClusters> for FinitePoints {
 }
 
 /// Clusters the foreground.
-fn components(tolerance_m: f32) -> impl Stage<PointClusters> {
-    let (mut positions_m, mut labels, mut scratch) = (Vec::new(), Vec::new(), KdTreeScratch::default());
-    move |cloud: &PointCloud, frame: &mut Frame<PointClusters>, _: &mut DetectorOutput| {
+struct Components {
+    neighbors: NeighborSearch,
+    tolerance_m: f32,
+    positions_m: Vec<[f32; 3]>,
+    // The smallest index of a point of the component, for every point.
+    labels: Vec<u32>,
+    in_tree: KdTreeScratch,
+    in_cells: NestedComponents,
+}
+
+impl Components {
+    fn new(params: &KdTreeParams) -> Self {
+        Self {
+            neighbors: params.neighbors,
+            tolerance_m: params.tolerance_m,
+            positions_m: Vec::new(),
+            labels: Vec::new(),
+            in_tree: KdTreeScratch::default(),
+            in_cells: NestedComponents::default(),
+        }
+    }
+}
+
+impl Stage<PointClusters> for Components {
+    fn run(&mut self, cloud: &PointCloud, frame: &mut Frame<PointClusters>, _: &mut DetectorOutput) {
+        let Self { positions_m, labels, in_tree, in_cells, .. } = self;
         let point_indices = frame.clustering.foreground.point_indices().iter();
         positions_m.clear();
         positions_m.extend(point_indices.map(|&point_idx| cloud.position_m(point_idx as usize)));
-        kd_tree_components(&positions_m, tolerance_m, &mut scratch, &mut labels);
+        match self.neighbors {
+            NeighborSearch::Cells if NestedComponents::are_exact(positions_m, self.tolerance_m) => {
+                in_cells.reset(positions_m.len());
+                in_cells.join(positions_m, self.tolerance_m, |_, _| ());
+                in_cells.write_labels(positions_m.len(), labels);
+            }
+            NeighborSearch::Cells | NeighborSearch::Tree => {
+                kd_tree_components(positions_m, self.tolerance_m, in_tree, labels);
+            }
+        }
         frame.clustering.clusters.group(labels.iter().copied(), labels.len());
     }
 }

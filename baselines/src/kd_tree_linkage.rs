@@ -66,8 +66,7 @@ impl Linkage for KdTreeLinkage {
         let Self { positions_m, components, labels, .. } = self;
         components.reset(positions_m.len());
         components.join(positions_m, self.tolerances_m[0], |_, _| ());
-        labels.clear();
-        labels.extend((0..positions_m.len() as u32).map(|it| components.component(it)));
+        components.write_labels(positions_m.len(), labels);
         dense.fill_apart(scan.cloud, scan.grid, scan.terrain, scan.candidates, &self.labels);
     }
 

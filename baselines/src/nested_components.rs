@@ -1,4 +1,4 @@
-//! Components within components: those over a kd-tree at each of several tolerances, found in cells.
+//! Components over a kd-tree, found in cells: at one tolerance, or components within components at several.
 
 use detector::segment::disjoint_sets::DisjointSets;
 
@@ -33,14 +33,23 @@ struct Cell {
 }
 
 /// The side of a cell in tolerances: less than 1/√3, so that the points of a cell are neighbours; and more than 1/2, so that
-/// neighbours are at most [`REACH`] cells apart. Both margins are larger than rounding, at tolerances of 5 cm and more.
+/// neighbours are at most [`REACH`] cells apart. Both margins are larger than rounding, from [`LEAST_TOLERANCE_M`] on.
 const SIDE: f32 = 0.57;
 const REACH: u32 = 2;
+
+const LEAST_TOLERANCE_M: f32 = 0.05;
 
 /// Points farther away have no neighbours, in metres.
 const FARTHEST_M: f32 = 1_000.0;
 
 impl NestedComponents {
+    /// Whether [`Self::join`] gives exactly the components over a kd-tree: no tolerance is below 5 cm, and no finite point is
+    /// a kilometre away.
+    pub fn are_exact(positions_m: &[[f32; 3]], tolerance_m: f32) -> bool {
+        let is_in_reach = |it: &[f32; 3]| it.iter().all(|it| !it.is_finite() || it.abs() <= FARTHEST_M);
+        tolerance_m >= LEAST_TOLERANCE_M && positions_m.iter().all(is_in_reach)
+    }
+
     /// Begins with `n_points` components of one point.
     pub fn reset(&mut self, n_points: usize) {
         self.components.reset(n_points);
@@ -49,6 +58,12 @@ impl NestedComponents {
     /// The smallest index of a point of the component of `point_idx`.
     pub fn component(&mut self, point_idx: u32) -> u32 {
         self.components.representative(point_idx)
+    }
+
+    /// Writes to `labels`, for every point, the smallest index of a point of its component.
+    pub fn write_labels(&mut self, n_points: usize, labels: &mut Vec<u32>) {
+        labels.clear();
+        labels.extend((0..n_points as u32).map(|it| self.component(it)));
     }
 
     /// Joins the components of neighbours at this tolerance, in metres, of 0.05 and more. `on_join` gets the two
@@ -220,9 +235,18 @@ mod tests {
     }
 
     #[test]
+    fn they_are_exact_within_a_kilometre_from_five_centimetres_on() {
+        let exact = |x_m, tolerance_m| NestedComponents::are_exact(&[[0.0; 3], [x_m, 0.0, 0.0]], tolerance_m);
+        assert!(exact(FARTHEST_M, 0.05) && exact(f32::NAN, 0.5));
+        assert!(
+            !exact(-FARTHEST_M.next_up(), 0.5) && !exact(1.0, 0.05_f32.next_down()) && !exact(1.0, f32::NAN)
+        );
+    }
+
+    #[test]
     fn cells_far_from_the_origin_are_as_exact() {
         let row = |it: u16| [990.0 + f32::from(it) * 0.25, -999.0, 0.0];
-        check_against_kd_tree(&(0..40).map(row).collect::<Vec<_>>(), &[0.25, 0.3, 0.5]);
+        check_against_kd_tree(&(0..40).map(row).collect::<Vec<_>>(), &[0.05, 0.25, 0.3, 0.5]);
     }
 
     proptest! {

@@ -22,7 +22,8 @@ fn main() {
     println!("cargo:rustc-env=SCANBENCH_RUSTC_VERSION={rustc_version}");
     // Empty outside of a checkout, such as in a source archive.
     let commit = output_of("git", &["rev-parse", "HEAD"]).unwrap_or_default();
-    let mut status = vec!["-C", "../..", "status", "--porcelain", "--untracked-files=no", "--"];
+    // Git would write its index anew, and the next build would begin again for that.
+    let mut status = vec!["--no-optional-locks", "-C", "../..", "status", "--porcelain", "--untracked-files=no", "--"];
     status.extend(SOURCES);
     let changes = output_of("git", &status).unwrap_or_default();
     println!("cargo:rustc-env=SCANBENCH_GIT_COMMIT={commit}");

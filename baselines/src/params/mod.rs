@@ -34,8 +34,20 @@ pub struct KdTreeParams {
     pub min_points: usize,
     /// Most points of an object.
     pub max_points: usize,
+    /// How neighbours are found.
+    pub neighbors: NeighborSearch,
     /// Which points are clustered.
     pub foreground: ForegroundChoice,
+}
+
+/// How the neighbours of points are found. The components are the same.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum NeighborSearch {
+    /// In cells: [`NestedComponents`](crate::nested_components::NestedComponents), where they are exact, else in a kd-tree.
+    Cells,
+    /// In a kd-tree, around every point: [`kd_tree_components`](crate::kd_tree_components::kd_tree_components).
+    Tree,
 }
 
 /// Which points of a scan are clustered.

@@ -23,9 +23,9 @@ use verbs::serve::supervise;
 fn main() -> ExitCode {
     let cli = Cli::parse();
     #[cfg(target_os = "linux")]
-    if let Command::Supervise { command } = &cli.command {
+    if let Command::Supervise { sandbox, hide, command } = &cli.command {
         // It has its own way with signals.
-        supervise(command);
+        supervise(command, sandbox.then_some(hide));
         return ExitCode::SUCCESS;
     }
     // Returning instead of exiting lets recordings and half-written files end properly.

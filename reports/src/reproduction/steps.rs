@@ -119,6 +119,13 @@ pub const STRONGER_RIVAL: RivalReading = RivalReading {
     parameter: "kd_tree.min_points=15",
 };
 
+/// The rival of HG as its library searches: the same components as those of `kd-tree`, which finds them in cells.
+pub const SEARCHED_RIVAL: RivalReading = RivalReading {
+    detector: "kd-tree, searched",
+    name: "kd-tree, searched around every point",
+    parameter: "kd_tree.neighbors=tree",
+};
+
 /// The rivals of HG that get less than `kd-tree`, which gets short cells without those on walls: most first.
 pub const DENIED_RIVALS: [RivalReading; 2] = [
     RivalReading {
@@ -165,7 +172,9 @@ mod tests {
     fn steps_of_the_text_come_first_and_each_has_a_name_of_its_own() {
         assert!(STEPS.iter().is_sorted_by_key(|step| step.basis));
         let mut detectors: Vec<&str> = STEPS.iter().map(|step| step.detector).collect();
-        detectors.extend(DENIED_RIVALS.iter().chain([&STRONGER_RIVAL]).map(|rival| rival.detector));
+        detectors.extend(
+            DENIED_RIVALS.iter().chain([&STRONGER_RIVAL, &SEARCHED_RIVAL]).map(|rival| rival.detector),
+        );
         let n = detectors.len();
         detectors.sort_unstable();
         detectors.dedup();

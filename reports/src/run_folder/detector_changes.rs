@@ -48,7 +48,15 @@ fn settings(entry: &DetectorEntry) -> BTreeMap<String, String> {
     let mut settings = vec![("vehicles classified by", vehicles.clone())];
     if let Some(it) = foreign {
         let ForeignEntry {
-            command, results, version, start_limit_s, time_limit_s, threads, vehicles, ..
+            command,
+            results,
+            version,
+            start_limit_s,
+            time_limit_s,
+            threads,
+            sandbox,
+            vehicles,
+            ..
         } = it;
         settings = vec![
             ("command", (!command.is_empty()).then(|| command.join(" "))),
@@ -57,6 +65,7 @@ fn settings(entry: &DetectorEntry) -> BTreeMap<String, String> {
             ("start_limit_s", start_limit_s.map(|it| it.to_string())),
             ("time_limit_s", time_limit_s.map(|it| it.to_string())),
             ("threads", threads.map(|it| it.to_string())),
+            ("sandbox", sandbox.then(|| "true".to_owned())),
             ("vehicles", Some(vehicles.clone())),
         ];
     }

@@ -319,6 +319,9 @@ pub struct ForeignEntry {
     /// How many threads it should use at most.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub threads: Option<u32>,
+    /// Whether it had no network, and saw neither data sets nor runs.
+    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+    pub sandbox: bool,
     /// What classifies vehicles among its objects where it does not: their size, or our model.
     pub vehicles: String,
 }

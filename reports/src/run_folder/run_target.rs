@@ -11,6 +11,8 @@ use crate::files::whole_file::folder_of;
 
 /// How the run came about.
 pub const MANIFEST_JSON: &str = "manifest.json";
+/// Where runs go that nobody names a folder for, in the working directory.
+pub const RUNS: &str = "runs";
 /// Points at the newest run beside it.
 pub const LATEST: &str = "latest";
 

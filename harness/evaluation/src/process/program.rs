@@ -35,6 +35,8 @@ pub struct StartedProgram {
     pub command: Vec<String>,
     /// Its working folder.
     pub folder: PathBuf,
+    /// Files and folders that it must not see, and without network; `None` if it may see all.
+    pub hidden: Option<Vec<PathBuf>>,
     /// How many threads it should use at most.
     pub threads: u32,
     /// Time limit for its start.
@@ -68,7 +70,14 @@ impl StartedProgram {
         let (theirs_to_read, to) = rustix::pipe::pipe_with(rustix::pipe::PipeFlags::CLOEXEC)?;
         let (from, theirs_to_write) = rustix::pipe::pipe_with(rustix::pipe::PipeFlags::CLOEXEC)?;
         let mut command = Command::new(std::env::current_exe()?);
-        command.arg(SUPERVISE).arg("--").args(&self.command).current_dir(&self.folder);
+        command.arg(SUPERVISE);
+        for path in self.hidden.iter().flatten() {
+            command.arg("--hide").arg(std::path::absolute(path)?);
+        }
+        if self.hidden.is_some() {
+            command.arg("--sandbox");
+        }
+        command.arg("--").args(&self.command).current_dir(&self.folder);
         command.env("SCANBENCH_PROTOCOL", PROTOCOLS[0].to_string());
         for name in THREAD_VARIABLES.iter().filter(|name| std::env::var_os(name).is_none()) {
             command.env(name, self.threads.to_string());

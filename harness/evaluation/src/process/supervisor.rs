@@ -7,6 +7,7 @@ use std::io::{self, Write as _};
 use std::os::fd::{AsFd, AsRawFd as _, BorrowedFd};
 use std::os::unix::net::UnixStream;
 use std::os::unix::process::ExitStatusExt as _;
+use std::path::PathBuf;
 use std::process::{Child, Command, ExitStatus, Stdio};
 use std::time::{Duration, Instant};
 
@@ -16,6 +17,7 @@ use rustix::process::{Pid, PidfdFlags, Signal, WaitOptions};
 use signal_hook::consts::{SIGHUP, SIGINT, SIGTERM};
 
 use super::processes::children;
+use super::sandbox::wall_in;
 
 /// Environment variable with the word with which lines of a supervisor begin on its standard error. Only the supervisor gets
 /// it.
@@ -31,9 +33,12 @@ const LONGEST_DEATH: Duration = Duration::from_secs(2);
 /// Starts `words`, a program and its arguments, and waits for its end. Its messages come in on our standard input and go out
 /// on our standard output; its printed lines go to our standard error. Its end is reported there, too, in lines that begin
 /// with the [token](TOKEN).
-pub fn supervise(words: &[String]) {
+///
+/// With `hidden`, there is nothing for it at these paths, and no network.
+pub fn supervise(words: &[String], hidden: Option<&[PathBuf]>) {
     let token = std::env::var(TOKEN).unwrap_or_default();
-    let says = match start_and_wait(words, &token) {
+    let walled_in = hidden.map_or(Ok(()), wall_in);
+    let says = match walled_in.and_then(|()| start_and_wait(words, &token)) {
         Ok(status) => match (status.code(), status.signal()) {
             (Some(code), _) => format!("{EXIT}{code}"),
             (None, signal) => format!("{SIGNAL}{}", signal.unwrap_or(0)),

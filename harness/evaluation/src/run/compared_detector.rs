@@ -149,14 +149,7 @@ impl ForeignDetector {
     ) -> ProcessDetector {
         let configuration = self.configuration(process, config, dataset);
         let vehicles = self.vehicles_of(config, dataset);
-        ProcessDetector::new(
-            name,
-            process,
-            self.folder.clone(),
-            configuration,
-            vehicles,
-            config.classes.clone(),
-        )
+        ProcessDetector::new(name, process, self.folder.clone(), configuration, vehicles, config)
     }
 
     fn vehicles_of(&self, config: &RunConfig, dataset: &DatasetDescription) -> ForeignVehicles {

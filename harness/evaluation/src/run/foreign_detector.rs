@@ -42,6 +42,8 @@ pub struct ForeignProcess {
     pub time_limit: Duration,
     /// Most threads that it should use.
     pub threads: u32,
+    /// Whether it has no network, and sees neither data sets nor runs.
+    pub sandbox: bool,
     /// SHA-256 of the files that the command and text parameters name; empty before it is chosen.
     pub files: BTreeMap<String, String>,
     /// Its introduction, once it has been started.

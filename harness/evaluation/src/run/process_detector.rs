@@ -8,13 +8,13 @@ use detector::{BoxDetails, DetectedClass, Detection, PointCloud};
 use perf_event::events::Hardware;
 use scans::annotation::LabeledScan;
 use scans::conversion::results::detection_rows::clusters_of_points;
-use scans::dataset::class_table::ClassTable;
 
 use crate::process::answer::{Found, RankedBox};
 use crate::process::conversation::{Answered, Asked, Conversation, FIRST_SCAN_LIMIT, Goodbye};
 use crate::process::message::Configuration;
 use crate::process::problem::{DetectorFailure, DetectorProblem};
 use crate::process::program::StartedProgram;
+use crate::run::config::RunConfig;
 use crate::run::counter::{Count, Counter, ProcessMeter, peak_bytes_of};
 use crate::run::drive_memory::DriveMemory;
 use crate::run::foreign_detector::ForeignProcess;
@@ -73,14 +73,15 @@ impl ProcessDetector {
         folder: std::path::PathBuf,
         configuration: Configuration,
         vehicles: ForeignVehicles,
-        classes: ClassTable,
+        config: &RunConfig,
     ) -> Self {
         let start = StartedProgram {
             command: process.command.clone(),
             folder,
+            hidden: process.sandbox.then(|| config.places_of_labels.clone()),
             threads: process.threads,
             start_limit: process.start_limit,
-            classes,
+            classes: config.classes.clone(),
         };
         Self {
             name,

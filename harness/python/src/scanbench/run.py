@@ -74,6 +74,7 @@ def run(
     start_limit_s: float | None = None,
     time_limit_s: float | None = None,
     threads: int | None = None,
+    sandbox: bool | None = None,
     vehicles: Literal["size", "model"] | None = None,
     quiet: bool = False,
     **options: Any,
@@ -83,7 +84,7 @@ def run(
     A detector is a function, or the name of one that scanbench has or `config` names: a scanbench.toml, that of the working directory or
     the nearest folder above if it is left out. `detections` are results that detectors left elsewhere, by names of your choice: a file or
     folder each. `parameters` are those of
-    detectors and matching (`-P`); `start_limit_s`, `time_limit_s`, `threads` and `vehicles` are for each function, as in scanbench.toml. Any other option of `scanbench run` is given by its name:
+    detectors and matching (`-P`); `start_limit_s`, `time_limit_s`, `threads`, `sandbox` and `vehicles` are for each function, as in scanbench.toml. Any other option of `scanbench run` is given by its name:
     `scans="0..100:5"`, `simulated_scans=20`, `criterion="centre"`, `skip_damaged=True`, `on_detector_failure="skip"`.
 
     The file that defines a function is imported by another process, which then calls the function: in such a file, `run` belongs under
@@ -108,7 +109,9 @@ def run(
     for name, value in options.items():
         arguments += _option(name, value)
     made = [detector for detector in named if isinstance(detector, Detector)]
-    settings = {"start_limit_s": start_limit_s, "time_limit_s": time_limit_s, "threads": threads, "vehicles": vehicles}
+    settings = {
+        "start_limit_s": start_limit_s, "time_limit_s": time_limit_s, "threads": threads, "sandbox": sandbox, "vehicles": vehicles
+    }
     with _configuration(made, Path(config) if config is not None else None, settings) as written:
         call([*arguments, *(["-c", str(written)] if written else [])], quiet=quiet)
     return Run.open(directory)

@@ -21,6 +21,12 @@ pub struct ForeignArgs {
     /// Without -d, the default detectors run as well.
     #[arg(long, value_name = "NAME=PATH")]
     pub detections: Vec<NamedResults>,
+    /// Keep network, data sets and runs from programs of scanbench.toml
+    ///
+    /// For detectors that you do not trust with the labels. `sandbox = true` does so for one, in every command. It needs a
+    /// Linux that lets its users make namespaces. Runs are hidden in `runs/` and at --output alone.
+    #[arg(long, hide_short_help = true)]
+    pub sandbox: bool,
     /// What to do if --detections have no result for a scan
     #[arg(long, value_enum, value_name = "RULE", default_value = "error", hide_short_help = true)]
     pub missing_detections: MissingRule,

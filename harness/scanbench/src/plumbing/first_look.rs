@@ -9,6 +9,7 @@ use detector::grid::ring_density::RingCounts;
 use evaluation::run::config::RunConfig;
 use nalgebra::Isometry3;
 use reports::run_folder::manifest::SeenMounting;
+use reports::run_folder::run_target::RUNS;
 use reports::run_folder::seen_labels::SeenLabels;
 use scans::annotation::LabeledScan;
 use scans::data_check::empty_boxes::EmptyBoxes;
@@ -46,7 +47,11 @@ const ON_GROUND_M: f64 = 0.2;
 /// Looks at `opened`, and prints what was seen and what is suspect. Unless the user has given other values, the run uses
 /// what was seen: the sensor with its density curve, its height and its tilt. Of a simulated sensor only the density curve
 /// may be unknown.
+///
+/// From then on, detectors that must not see labels know where these are.
 pub fn look_first(opened: OpenedDataset, config: &mut RunConfig) -> OpenedDataset {
+    let root = opened.dataset.description().root.clone();
+    config.places_of_labels.extend(root.into_iter().chain([RUNS.into()]));
     let proposed = suspicion_of_proposals(&opened);
     let mut opened = look_at_scans(opened, config);
     opened.first_look.suspicions.extend(proposed);

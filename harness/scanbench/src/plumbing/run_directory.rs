@@ -3,7 +3,9 @@
 use std::path::Path;
 
 use reports::run_folder::run_directory::RunDirectory;
-use reports::run_folder::run_target::{ClaimedTarget, ExistingTarget, LatestPointer, RunDirectoryError};
+use reports::run_folder::run_target::{
+    ClaimedTarget, ExistingTarget, LatestPointer, RUNS, RunDirectoryError,
+};
 
 use crate::cli::OutputArgs;
 use crate::plumbing::failure::{Failure, Usage};
@@ -27,7 +29,7 @@ pub fn claim_unnamed(
     unnamed: &str,
     latest: LatestPointer,
 ) -> Result<ClaimedTarget, RunDirectoryError> {
-    named.map_or_else(|| ClaimedTarget::claim_unused(Path::new("runs"), unnamed, latest), Ok)
+    named.map_or_else(|| ClaimedTarget::claim_unused(Path::new(RUNS), unnamed, latest), Ok)
 }
 
 /// Begins the directory that `arguments` name, or else `unnamed`, as [`claim_unnamed`] does.

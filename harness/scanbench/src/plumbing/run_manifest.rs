@@ -131,6 +131,7 @@ fn foreign_entry(name: &str, foreign: &ForeignDetector, config: &RunConfig) -> D
                 start_limit_s: Some(process.start_limit.as_secs_f64()),
                 time_limit_s: Some(process.time_limit.as_secs_f64()),
                 threads: Some(process.threads),
+                sandbox: process.sandbox,
                 vehicles,
                 ..ForeignEntry::default()
             }

@@ -172,6 +172,12 @@ pub enum Command {
     /// Start a detector and leave nothing of it behind.
     #[command(hide = true)]
     Supervise {
+        /// Keep the network from it, and what --hide names.
+        #[arg(long)]
+        sandbox: bool,
+        /// A file or folder that it does not see.
+        #[arg(long, requires = "sandbox")]
+        hide: Vec<std::path::PathBuf>,
         /// The program and its arguments.
         #[arg(trailing_var_arg = true, allow_hyphen_values = true, required = true)]
         command: Vec<String>,

@@ -297,6 +297,7 @@ fn process_of(folder: &Path) -> Result<ForeignProcess, Failure> {
         start_limit: Duration::from_mins(1),
         time_limit: Duration::from_mins(1),
         threads: 1,
+        sandbox: false,
         files: BTreeMap::new(),
         introduction: Arc::default(),
     })

@@ -90,6 +90,46 @@ fn one_failure_of_each_kind_is_skipped_and_counted() {
     check_skipped("too-much", "it says more than it was asked");
 }
 
+/// What a detector found that looks for labels and for the network, in a run with `more` options.
+fn found_by_peeking(more: &str) -> (Workplace, String) {
+    let workplace = workplace_with("peek", "");
+    let listener = std::net::TcpListener::bind("127.0.0.1:0").unwrap();
+    workplace.write("port", &listener.local_addr().unwrap().port().to_string());
+    workplace.write("runs/earlier/matches.csv", "labels\n");
+    let ended = run_odd(&workplace, more);
+    assert_eq!(ended.exit_code, Some(0), "{ended:#?}");
+    let found = workplace.read("found");
+    (workplace, found)
+}
+
+#[test]
+fn a_sandbox_keeps_labels_and_network_from_a_detector_that_looks_for_them() {
+    let (open, found) = found_by_peeking("");
+    assert_eq!(found, "network true\nstreet true\nruns true\n");
+    let (walled, found) = found_by_peeking("--sandbox");
+    assert_eq!(found, "network false\nstreet false\nruns false\n");
+    // It gets the points all the same, and what it saw is still there for others.
+    let [open_rows, walled_rows] = [&open, &walled].map(|it| it.read("out/matches.csv"));
+    assert!(open_rows == walled_rows && open_rows.lines().count() > 1, "{walled_rows}");
+    assert!(walled.path("street").read_dir().unwrap().count() > 0);
+    let sandbox = |it: &Workplace| it.json("out/manifest.json")["detectors"][0]["foreign"]["sandbox"].clone();
+    assert_eq!((sandbox(&open), sandbox(&walled)), (serde_json::Value::Null, true.into()));
+}
+
+#[test]
+fn a_sandbox_that_would_hide_the_detector_or_is_for_none_is_refused() {
+    let workplace = workplace_with("fine", "sandbox = true");
+    std::fs::create_dir(workplace.path("street/mine")).unwrap();
+    std::fs::rename(workplace.path("scanbench.toml"), workplace.path("street/mine/scanbench.toml")).unwrap();
+    let refused = workplace.run(&("run street -d odd -c street/mine/scanbench.toml", QUIET));
+    refused.check_refusal(6, &["street/mine would be hidden from it by sandbox"]);
+    workplace.refuse(
+        &("run street -d pca --sandbox", QUIET),
+        2,
+        &["--sandbox is for programs of scanbench.toml"],
+    );
+}
+
 #[test]
 fn crashes_errors_silence_and_broken_answers_are_reported() {
     for (behaviour, expected) in [

@@ -103,7 +103,8 @@ impl Odd {
                 }
                 let behaviour = self.behaviour.clone();
                 if is_guilty
-                    && !["fine", "child", "deaf-to-quit", "by-ring-and-time"].contains(&behaviour.as_str())
+                    && !["fine", "peek", "child", "deaf-to-quit", "by-ring-and-time"]
+                        .contains(&behaviour.as_str())
                 {
                     let _ = File::create("misbehaved");
                     self.misbehave(&behaviour, line, &ids);
@@ -121,6 +122,9 @@ impl Odd {
     fn hello(&mut self) {
         if self.behaviour == "silent-start" {
             std::thread::sleep(Duration::from_secs(100));
+        }
+        if self.behaviour == "peek" {
+            peek();
         }
         if self.behaviour == "child" {
             let mut child = Command::new("sleep");
@@ -215,6 +219,20 @@ impl Odd {
         }
         false
     }
+}
+
+/// Looks for what it must not see, tries to get it back, and writes down what it has found: what is in the data set and in an
+/// earlier run, and whether the port that it knows of answers.
+fn peek() {
+    let port = std::fs::read_to_string("port").unwrap();
+    let answers = std::net::TcpStream::connect(format!("127.0.0.1:{port}")).is_ok();
+    let mut found = format!("network {answers}\n");
+    for folder in ["street", "runs"] {
+        let _ = Command::new("umount").arg(folder).stderr(Stdio::null()).status();
+        let n_files = std::fs::read_dir(folder).map_or(0, Iterator::count);
+        found += &format!("{folder} {}\n", n_files > 0);
+    }
+    std::fs::write("found", found).unwrap();
 }
 
 fn say_aloud(words: &str) {

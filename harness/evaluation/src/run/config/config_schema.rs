@@ -122,13 +122,16 @@ fn schema_of_detector() -> Json {
             "start_limit_s": limit(START_LIMIT, "until it can be asked"),
             "time_limit_s": limit(TIME_LIMIT, "for a scan"),
             "threads": {"type": "integer", "minimum": 1, "maximum": MOST_THREADS, "default": 1},
+            "sandbox": {"type": "boolean", "default": false, "description": "No network, no sight of data sets and runs"},
             "vehicles": {"enum": VehicleRule::ALL, "default": VehicleRule::default(), "description": "What classifies vehicles"},
         },
         "oneOf": [
             {"required": ["command"], "properties": {"results": false}},
             {
                 "required": ["results"],
-                "properties": {"command": false, "start_limit_s": false, "time_limit_s": false, "threads": false},
+                "properties": {
+                    "command": false, "start_limit_s": false, "time_limit_s": false, "threads": false, "sandbox": false
+                },
             },
         ],
     })

@@ -15,8 +15,8 @@ use crate::run::kept_names::kept;
 pub const DETECTOR_TABLE: &str = "detector";
 
 /// Keys that a table of a detector may have.
-pub(super) const KEYS: [&str; 7] =
-    ["command", "results", "parameters", "start_limit_s", "time_limit_s", "threads", "vehicles"];
+pub(super) const KEYS: [&str; 8] =
+    ["command", "results", "parameters", "start_limit_s", "time_limit_s", "threads", "sandbox", "vehicles"];
 /// Names of built-in detectors.
 pub const TAKEN_NAMES: [&str; 9] = [
     "hierarchical",
@@ -91,6 +91,7 @@ impl DetectorTable<'_> {
                 start_limit: self.limit("start_limit_s", table.remove("start_limit_s"), START_LIMIT)?,
                 time_limit: self.limit("time_limit_s", table.remove("time_limit_s"), TIME_LIMIT)?,
                 threads: self.threads(table.remove("threads"))?,
+                sandbox: self.sandbox(table.remove("sandbox"))?,
                 files: BTreeMap::new(),
                 introduction: Arc::default(),
             }),
@@ -154,6 +155,14 @@ impl DetectorTable<'_> {
                 Err(entry.problem(format!(" = {threads} is not within 1 to {MOST_THREADS}")))
             }
             Some(other) => Err(entry.wrong_type(&other, "integer")),
+        }
+    }
+
+    fn sandbox(&self, written: Option<Value>) -> Result<bool, ConfigError> {
+        match written {
+            None => Ok(false),
+            Some(Value::Boolean(sandbox)) => Ok(sandbox),
+            Some(other) => Err(self.below("sandbox").wrong_type(&other, "boolean")),
         }
     }
 

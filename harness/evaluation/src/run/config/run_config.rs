@@ -59,6 +59,8 @@ pub struct RunConfig {
     pub sensor: Option<String>,
     /// Density curves, learned from their scans, of data sets whose sensor has no shipped one; by id and sensor.
     pub own_curves: BTreeMap<(String, String), DensityCurve>,
+    /// Where labels of the scans lie, once known: data sets, and runs on them.
+    pub places_of_labels: Vec<PathBuf>,
     /// All parameters as one document, for the manifest; without the density curve if it is the sensor's.
     pub resolved: Table,
 }
@@ -192,7 +194,8 @@ impl RunConfig {
         let (classes, foreign) = (self.classes.clone(), self.foreign.clone());
         let (file, sensor, own_curves) = (self.file.clone(), self.sensor.clone(), self.own_curves.clone());
         let models_of_project = self.models_of_project.clone();
-        Ok(Self { classes, foreign, file, models_of_project, sensor, own_curves, ..config })
+        let places_of_labels = self.places_of_labels.clone();
+        Ok(Self { classes, foreign, file, models_of_project, sensor, own_curves, places_of_labels, ..config })
     }
 
     /// The full name of the parameter that `option` names, by the rules of [`Self::overridden`].
@@ -290,6 +293,7 @@ impl RunConfig {
             models_of_project: BTreeMap::new(),
             sensor: None,
             own_curves: BTreeMap::new(),
+            places_of_labels: Vec::new(),
             foreign: Vec::new(),
             resolved,
         })

@@ -223,9 +223,7 @@ impl UnfinishedWork {
 
 /// The folder of unfinished work, beside the directory of its result.
 fn kept_beside(claimed: &ClaimedTarget) -> PathBuf {
-    let mut folder = claimed.target().as_os_str().to_owned();
-    folder.push(".unfinished");
-    folder.into()
+    claimed.target().with_added_extension("unfinished")
 }
 
 /// Makes the folder `kept` unless it is there. A link is refused: it may lead to a folder that is none of ours.

@@ -86,8 +86,14 @@ impl<'a> Judge<'a> {
             ClaimTest::LeadsMost { task, method, rival, scenes } => {
                 (vec![self.leads_most(Pair { task: *task, method, rival }, scenes)], None)
             }
-            ClaimTest::Faster { method, rival, at_least } => {
-                (self.faster(method, rival, *at_least).into_iter().collect(), None)
+            ClaimTest::Faster { method, rival, sped_up, at_least } => {
+                let sped_up =
+                    sped_up.iter().map(|it| (format!("against {it}, made faster"), Basis::Open, it));
+                let rivals = [(GOOD_FAITH.to_owned(), Basis::Text, rival)].into_iter().chain(sped_up);
+                let faster = |(reading, basis, rival): (String, Basis, &String)| {
+                    Some(Seen { reading, basis, ..self.faster(method, rival, *at_least)? })
+                };
+                (rivals.filter_map(faster).collect(), None)
             }
             ClaimTest::LessJoined { method, rival } => (vec![self.less_joined(method, rival)], None),
             ClaimTest::DensityFalls => (vec![self.observed.density(false)], None),

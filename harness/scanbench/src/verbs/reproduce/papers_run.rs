@@ -17,7 +17,7 @@ use reports::reproduction::claim::Paper;
 use reports::reproduction::judged_claim::JudgedClaim;
 use reports::reproduction::lead::LeadsOf;
 use reports::reproduction::sensitivity::Sensitivity;
-use reports::reproduction::steps::{DENIED_RIVALS, STEPS, STRONGER_RIVAL};
+use reports::reproduction::steps::{DENIED_RIVALS, SEARCHED_RIVAL, STEPS, STRONGER_RIVAL};
 use reports::run_folder::run_directory::{REPRODUCTION_JSON, RunDirectory};
 use reports::tables::formats::format::Format as _;
 use reports::tables::sheet::Tabular;
@@ -211,7 +211,7 @@ fn compared_detectors(config: &RunConfig) -> Result<Vec<ComparedDetector>, Failu
         }
     }
     compared_detectors.extend(rivals.iter().map(|rival| ComparedDetector::of(*rival, config)));
-    for rival in DENIED_RIVALS.iter().chain([&STRONGER_RIVAL]) {
+    for rival in DENIED_RIVALS.iter().chain([&STRONGER_RIVAL, &SEARCHED_RIVAL]) {
         compared_detectors.push(variant(rival.detector, rivals[0], &[rival.parameter])?);
     }
     Ok(compared_detectors)
@@ -310,6 +310,9 @@ fn notes(settings: Option<&Sensitivity>) -> Vec<String> {
          rests on too few blocks, or nothing counts on a scene."
             .to_owned(),
         "kd-tree is itself or has clusters of 15 points and more, whichever the method leads by less."
+            .to_owned(),
+        "kd-tree finds neighbours in cells, as everywhere in the program. kd-tree, searched looks around every point in a kd-tree, as the library \
+         does that HG names: the same components, more slowly."
             .to_owned(),
         "kd-tree and pca have values that were chosen on training scans, too, as those of paper; elsewhere they have those that come with the \
          program."

@@ -2,7 +2,7 @@
 
 use reports::numbers::tally::Tally;
 use reports::reproduction::lead::LeadsOf;
-use reports::reproduction::steps::{Basis, DENIED_RIVALS, GOOD_FAITH, STEPS, STRONGER_RIVAL};
+use reports::reproduction::steps::{Basis, DENIED_RIVALS, GOOD_FAITH, SEARCHED_RIVAL, STEPS, STRONGER_RIVAL};
 use reports::tables::studies::rate_table::{RateRow, RateTable, printed_rows};
 use reports::tables::studies::step_table::{StepRow, StepTable};
 use reports::uncertainty::sample::{Question, Sample};
@@ -97,7 +97,7 @@ impl RateTables<'_> {
     /// All detectors but the steps, which have a table of their own.
     fn detectors(&self) -> Vec<String> {
         let steps = STEPS.iter().map(|step| step.detector).filter(|it| *it != GOOD_FAITH);
-        let rivals = DENIED_RIVALS.iter().chain([&STRONGER_RIVAL]).map(|it| it.detector);
+        let rivals = DENIED_RIVALS.iter().chain([&STRONGER_RIVAL, &SEARCHED_RIVAL]).map(|it| it.detector);
         let apart: Vec<&str> = steps.chain(rivals).collect();
         self.tally.detectors().iter().filter(|it| !apart.contains(&it.as_str())).cloned().collect()
     }

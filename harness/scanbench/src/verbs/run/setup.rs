@@ -4,6 +4,7 @@ use clap::Parser as _;
 use evaluation::run::compared_detector::ComparedDetector;
 use evaluation::run::config::RunConfig;
 use evaluation::run::detector_list::ChosenDetector;
+use evaluation::run::foreign_detector::{ForeignDetector, ForeignWork};
 use jiff::Timestamp;
 use reports::run_folder::manifest::Manifest;
 
@@ -39,7 +40,13 @@ pub struct ChosenRun {
 impl ChosenRun {
     pub fn of(arguments: &RunArgs) -> Result<Self, Failure> {
         let left = &arguments.foreign.detections;
-        let (chosen, mut config) = chosen_with_results(&arguments.config, &arguments.detectors, left)?;
+        let (mut chosen, mut config) = chosen_with_results(&arguments.config, &arguments.detectors, left)?;
+        if arguments.foreign.sandbox {
+            wall_in_all(&mut chosen)?;
+        }
+        if let Some(output) = &arguments.output.output {
+            config.places_of_labels.extend([output.clone(), output.with_added_extension("unfinished")]);
+        }
         choose_matching(&mut config, &arguments.matching)?;
         config.classes = own_classes(&arguments.data.source).or(&config.classes);
         Ok(Self { chosen, config })
@@ -72,6 +79,21 @@ impl ChosenRun {
         let results = OpenedResults::open(&compared_detectors, &datasets, missing, damage)?;
         Ok(OpenedRun { config, datasets, compared_detectors, results })
     }
+}
+
+/// Programs of others see neither network nor labels, whatever the configuration says.
+fn wall_in_all(chosen: &mut [ChosenDetector]) -> Result<(), Usage> {
+    let mut n_programs = 0;
+    for it in chosen {
+        if let ChosenDetector::Foreign(ForeignDetector { work: ForeignWork::Process(process), .. }) = it {
+            process.sandbox = true;
+            n_programs += 1;
+        }
+    }
+    if n_programs == 0 {
+        return Err(Usage("--sandbox is for programs of scanbench.toml, and -d names none".to_owned()));
+    }
+    Ok(())
 }
 
 /// Everything that a run needs to begin.
