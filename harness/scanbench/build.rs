@@ -23,7 +23,8 @@ fn main() {
     // Empty outside of a checkout, such as in a source archive.
     let commit = output_of("git", &["rev-parse", "HEAD"]).unwrap_or_default();
     // Git would write its index anew, and the next build would begin again for that.
-    let mut status = vec!["--no-optional-locks", "-C", "../..", "status", "--porcelain", "--untracked-files=no", "--"];
+    let mut status =
+        vec!["--no-optional-locks", "-C", "../..", "status", "--porcelain", "--untracked-files=no", "--"];
     status.extend(SOURCES);
     let changes = output_of("git", &status).unwrap_or_default();
     println!("cargo:rustc-env=SCANBENCH_GIT_COMMIT={commit}");

@@ -111,14 +111,6 @@ pub struct RivalReading {
     pub parameter: &'static str,
 }
 
-/// A rival of HG that finds more than `kd-tree`: its values were chosen on training scans, as elsewhere in the program. The
-/// leader has to lead both.
-pub const STRONGER_RIVAL: RivalReading = RivalReading {
-    detector: "kd-tree, 15 points",
-    name: "kd-tree with clusters of 15 points and more",
-    parameter: "kd_tree.min_points=15",
-};
-
 /// The rival of HG as its library searches: the same components as those of `kd-tree`, which finds them in cells.
 pub const SEARCHED_RIVAL: RivalReading = RivalReading {
     detector: "kd-tree, searched",
@@ -172,9 +164,7 @@ mod tests {
     fn steps_of_the_text_come_first_and_each_has_a_name_of_its_own() {
         assert!(STEPS.iter().is_sorted_by_key(|step| step.basis));
         let mut detectors: Vec<&str> = STEPS.iter().map(|step| step.detector).collect();
-        detectors.extend(
-            DENIED_RIVALS.iter().chain([&STRONGER_RIVAL, &SEARCHED_RIVAL]).map(|rival| rival.detector),
-        );
+        detectors.extend(DENIED_RIVALS.iter().chain([&SEARCHED_RIVAL]).map(|rival| rival.detector));
         let n = detectors.len();
         detectors.sort_unstable();
         detectors.dedup();

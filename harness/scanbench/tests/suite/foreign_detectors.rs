@@ -102,12 +102,16 @@ fn found_by_peeking(more: &str) -> (Workplace, String) {
     (workplace, found)
 }
 
+fn found_in(word: &str) -> String {
+    format!("network {word}\nstreet/training/label_02/0000.txt {word}\nruns/earlier/matches.csv {word}\n")
+}
+
 #[test]
 fn a_sandbox_keeps_labels_and_network_from_a_detector_that_looks_for_them() {
     let (open, found) = found_by_peeking("");
-    assert_eq!(found, "network true\nstreet true\nruns true\n");
+    assert_eq!(found, found_in("true"));
     let (walled, found) = found_by_peeking("--sandbox");
-    assert_eq!(found, "network false\nstreet false\nruns false\n");
+    assert_eq!(found, found_in("false"));
     // It gets the points all the same, and what it saw is still there for others.
     let [open_rows, walled_rows] = [&open, &walled].map(|it| it.read("out/matches.csv"));
     assert!(open_rows == walled_rows && open_rows.lines().count() > 1, "{walled_rows}");
@@ -119,10 +123,11 @@ fn a_sandbox_keeps_labels_and_network_from_a_detector_that_looks_for_them() {
 #[test]
 fn a_sandbox_that_would_hide_the_detector_or_is_for_none_is_refused() {
     let workplace = workplace_with("fine", "sandbox = true");
-    std::fs::create_dir(workplace.path("street/mine")).unwrap();
-    std::fs::rename(workplace.path("scanbench.toml"), workplace.path("street/mine/scanbench.toml")).unwrap();
-    let refused = workplace.run(&("run street -d odd -c street/mine/scanbench.toml", QUIET));
-    refused.check_refusal(6, &["street/mine would be hidden from it by sandbox"]);
+    std::fs::create_dir(workplace.path("street/training/mine")).unwrap();
+    std::fs::rename(workplace.path("scanbench.toml"), workplace.path("street/training/mine/scanbench.toml"))
+        .unwrap();
+    let refused = workplace.run(&("run street -d odd -c street/training/mine/scanbench.toml", QUIET));
+    refused.check_refusal(6, &["street/training/mine would be hidden from it by sandbox"]);
     workplace.refuse(
         &("run street -d pca --sandbox", QUIET),
         2,

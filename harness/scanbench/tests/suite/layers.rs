@@ -256,7 +256,7 @@ const PAST_THE_DOORS: [&str; 11] = [
 ];
 
 /// The doors, and files that open what nobody else can have put there, or what the user has named.
-const OPENING: [(&str, &str, &str); 19] = [
+const OPENING: [(&str, &str, &str); 20] = [
     ("reports", "files::regular_file", "the door for reading"),
     ("reports", "files::new_file", "the door for writing"),
     ("reports", "files::new_folders", "folders on the way to a result that the user names"),
@@ -266,6 +266,7 @@ const OPENING: [(&str, &str, &str); 19] = [
     ("harness/scans", "conversion::whole_folder", "in a folder that was just made"),
     ("harness/evaluation", "process::processes", "what the system says of processes"),
     ("harness/evaluation", "process::received_cloud", "memory of the program that asks"),
+    ("harness/evaluation", "process::sandbox", "what the system is told of users"),
     ("harness/evaluation", "process::supervisor", "what the system says of processes; /dev/null"),
     (
         "harness/evaluation",

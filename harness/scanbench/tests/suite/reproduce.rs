@@ -24,7 +24,7 @@ fn claims_of_all_papers_are_judged_and_gated() {
     assert_eq!(readings[13], "to the letter; against kd-tree over all that is no ground");
     let [of_vehicles, of_objects] = ["first/steps_vehicles.md", "first/steps_objects.md"];
     workplace.check_file(of_vehicles, &["walls stand and hide what is behind them", "pca"]);
-    workplace.check_file(of_objects, &["kd-tree with clusters of 15 points and more"]);
+    workplace.check_file(of_objects, &["kd-tree over short cells, walls left in"]);
     workplace.check_file("first/losses_objects.svg", &["annotated", "found", "paper, to the letter"]);
     // It is a run, too.
     let rows = workplace.read("first/scans.csv");

@@ -255,7 +255,7 @@ mod tests {
             &["colour=red"],
             &["kd_tree"],
             "-P colour=red: unknown parameter colour; parameters are kd_tree.foreground, kd_tree.max_points, \
-             kd_tree.min_points, kd_tree.tolerance_m",
+             kd_tree.min_points, kd_tree.neighbors, kd_tree.tolerance_m",
         );
         check_refused(
             &["pca.grid=1"],

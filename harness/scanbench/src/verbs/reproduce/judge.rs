@@ -10,9 +10,7 @@ use reports::numbers::tally::Tally;
 use reports::reproduction::claim::{Claim, ClaimTest, Paper, claims};
 use reports::reproduction::judged_claim::{JudgedClaim, Seen};
 use reports::reproduction::lead::{LeadsOf, Pair, SceneLead, holds_on_all, seen};
-use reports::reproduction::steps::{
-    self, Basis, DENIED_RIVALS, RivalReading, STEPS, STRONGER_RIVAL, basis, reading,
-};
+use reports::reproduction::steps::{self, Basis, DENIED_RIVALS, RivalReading, STEPS, basis, reading};
 use reports::tables::paper_figures::VEHICLE_STEPS;
 use reports::uncertainty::sample::Question;
 use reports::verdicts::paired_difference::PairedDifference;
@@ -134,13 +132,13 @@ impl<'a> Judge<'a> {
                 part => self.leads.on_scenes(pair, metric, part),
             }
         };
-        let mut readings = vec![seen(GOOD_FAITH, Basis::Text, &leads_over_all(pair, leads))];
+        let mut readings = vec![seen(GOOD_FAITH, Basis::Text, &leads(pair))];
         let is_of_tables = RIVALS.contains(&(pair.rival, pair.task)) && *metric == Metric::FRate;
         if pair.method != METHOD || !is_of_tables {
             return (readings, None);
         }
         let letter = Pair { method: LETTER_DETECTOR, ..pair };
-        readings.push(seen(LETTER, Basis::Open, &leads_over_all(letter, leads)));
+        readings.push(seen(LETTER, Basis::Open, &leads(letter)));
         let on_each = scenes == "every";
         let of_points = criteria().iter().skip(1).enumerate();
         let by_criteria = of_points.map(|(idx, criterion)| self.by_criterion(pair, idx, criterion, on_each));
@@ -286,28 +284,14 @@ impl<'a> Judge<'a> {
     }
 }
 
-/// The leads over the rival of `pair`. For objects and kd-tree, those over the stronger rival stand in where they are less.
-fn leads_over_all<'p>(pair: Pair<'p>, leads: impl Fn(Pair<'p>) -> Vec<SceneLead>) -> Vec<SceneLead> {
-    let over_rival = leads(pair);
-    if (pair.task, pair.rival) != (Task::Objects, RIVALS[0].0) {
-        return over_rival;
-    }
-    let over_stronger = leads(Pair { rival: STRONGER_RIVAL.detector, ..pair });
-    let lesser = over_rival
-        .into_iter()
-        .zip(over_stronger)
-        .map(|(a, b)| if b.difference.difference() < a.difference.difference() { b } else { a });
-    lesser.collect()
-}
-
 /// Readings of `pair` after each of [`STEPS`], against all rivals and, for objects, against each of [`DENIED_RIVALS`]: by
 /// basis, fewest steps first. Good faith is seen elsewhere.
 fn step_readings<'p>(pair: Pair<'p>, leads: impl Fn(Pair<'p>) -> Vec<SceneLead>) -> Vec<Seen> {
     let after = |step_idx: usize| Pair { method: STEPS[step_idx].detector, ..pair };
     let is_other = |step_idx: &usize| STEPS[*step_idx].detector != steps::GOOD_FAITH;
-    let against_all = (0..STEPS.len()).filter(is_other).map(|step_idx| {
-        seen(&reading(step_idx, None), basis(step_idx, None), &leads_over_all(after(step_idx), &leads))
-    });
+    let against_all = (0..STEPS.len())
+        .filter(is_other)
+        .map(|step_idx| seen(&reading(step_idx, None), basis(step_idx, None), &leads(after(step_idx))));
     let denied: &[RivalReading] = if pair.task == Task::Objects { &DENIED_RIVALS } else { &[] };
     let against_denied = denied.iter().flat_map(|rival| {
         (0..STEPS.len()).map(|step_idx| {

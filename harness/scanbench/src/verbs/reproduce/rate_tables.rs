@@ -2,7 +2,7 @@
 
 use reports::numbers::tally::Tally;
 use reports::reproduction::lead::LeadsOf;
-use reports::reproduction::steps::{Basis, DENIED_RIVALS, GOOD_FAITH, SEARCHED_RIVAL, STEPS, STRONGER_RIVAL};
+use reports::reproduction::steps::{Basis, DENIED_RIVALS, GOOD_FAITH, SEARCHED_RIVAL, STEPS};
 use reports::tables::studies::rate_table::{RateRow, RateTable, printed_rows};
 use reports::tables::studies::step_table::{StepRow, StepTable};
 use reports::uncertainty::sample::{Question, Sample};
@@ -65,10 +65,7 @@ impl RateTables<'_> {
     pub fn by_step(&self) -> Vec<StepTable> {
         let steps = STEPS.iter().map(|step| (step.detector, step.name, step.place, Some(step.basis)));
         let rivals = RIVALS.iter().map(|(rival, task)| (*task, (*rival, *rival, "", None)));
-        let denied = [&STRONGER_RIVAL]
-            .into_iter()
-            .chain(&DENIED_RIVALS)
-            .map(|it| (Task::Objects, (it.detector, it.name, "", None)));
+        let denied = DENIED_RIVALS.iter().map(|it| (Task::Objects, (it.detector, it.name, "", None)));
         let rivals: Vec<_> = rivals.chain(denied).collect();
         let table = |task: Task| {
             let of_task = rivals.iter().filter(|it| it.0 == task).map(|it| it.1);
@@ -97,7 +94,7 @@ impl RateTables<'_> {
     /// All detectors but the steps, which have a table of their own.
     fn detectors(&self) -> Vec<String> {
         let steps = STEPS.iter().map(|step| step.detector).filter(|it| *it != GOOD_FAITH);
-        let rivals = DENIED_RIVALS.iter().chain([&STRONGER_RIVAL, &SEARCHED_RIVAL]).map(|it| it.detector);
+        let rivals = DENIED_RIVALS.iter().chain([&SEARCHED_RIVAL]).map(|it| it.detector);
         let apart: Vec<&str> = steps.chain(rivals).collect();
         self.tally.detectors().iter().filter(|it| !apart.contains(&it.as_str())).cloned().collect()
     }
