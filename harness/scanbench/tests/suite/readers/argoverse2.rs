@@ -19,6 +19,7 @@ fn sweeps_are_read_in_the_frame_of_the_sensor() {
     let ids: Vec<String> = dataset.scan_ids().iter().map(ToString::to_string).collect();
     assert_eq!(ids, ["drawn-log/000000", "drawn-log/000001"]);
     assert_eq!((dataset.description().format.as_str(), dataset.scan_time_ns(1)), ("argoverse2", Some(2000)));
+    assert_eq!([0, 1].map(|it| dataset.file_name(it)), [Some("1000"), Some("2000")]);
     // One sweep is compressed by LZ4, the other by Zstandard; the points are the same.
     let [first, second] = [0, 1].map(|scan_idx| dataset.read_scan(scan_idx).unwrap());
     assert_eq!(first.cloud, second.cloud);

@@ -71,7 +71,15 @@ struct SensorLogs {
 #[derive(Debug)]
 struct Sweep {
     log: PathBuf,
+    // Its time, which names its file.
+    name: String,
     time_ns: i64,
+}
+
+impl Sweep {
+    fn path(&self) -> PathBuf {
+        self.log.join(SWEEPS).join(format!("{}.feather", self.name))
+    }
 }
 
 /// Whether logs of Argoverse 2 lie in `folder`.
@@ -93,10 +101,11 @@ pub fn open_argoverse2(mut source: DatasetSource) -> Result<Box<dyn Dataset>, Da
         }
         checksum.add_file(&format!("{name}/{ANNOTATIONS}"), &log.join(ANNOTATIONS))?;
         for (index, time_ns) in (0..).zip(sweep_times(&log.join(SWEEPS))?) {
-            let sweep = format!("{SWEEPS}/{time_ns}.feather");
-            checksum.add_scan(&format!("{name}/{sweep}"), sizes.n_bytes_of(&log.join(sweep)));
+            let sweep = Sweep { log: log.clone(), name: time_ns.to_string(), time_ns };
+            let path = format!("{name}/{SWEEPS}/{}.feather", sweep.name);
+            checksum.add_scan(&path, sizes.n_bytes_of(&sweep.path()));
             scan_ids.push(ScanId { sequence: name.clone(), index });
-            sweeps.push(Sweep { log: log.clone(), time_ns });
+            sweeps.push(sweep);
         }
         found.insert(name);
     }
@@ -122,8 +131,7 @@ impl Dataset for SensorLogs {
     fn read_scan(&self, scan_idx: usize) -> Result<LabeledScan, DatasetError> {
         let sweep = &self.sweeps[scan_idx];
         let truth = self.truth_of(&sweep.log)?;
-        let path = sweep.log.join(SWEEPS).join(format!("{}.feather", sweep.time_ns));
-        let points = read_sweep(&path, &truth.car_from_sensor_m)?;
+        let points = read_sweep(&sweep.path(), &truth.car_from_sensor_m)?;
         let mut annotations = truth.annotations.get(&sweep.time_ns).cloned().unwrap_or_default();
         assign_points_in_boxes(points.cloud(), &mut annotations);
         Ok(points.labeled_everywhere(self.listing.scan_ids[scan_idx].clone(), annotations))
@@ -141,6 +149,10 @@ impl Dataset for SensorLogs {
         Ok(labels_without_scan(&names))
     }
 
+    fn file_name(&self, scan_idx: usize) -> Option<&str> {
+        Some(&self.sweeps[scan_idx].name)
+    }
+
     fn scan_time_ns(&self, scan_idx: usize) -> Option<u64> {
         u64::try_from(self.sweeps[scan_idx].time_ns).ok()
     }
@@ -151,7 +163,7 @@ impl Dataset for SensorLogs {
     }
 
     fn foreign_frame(&self, scan_idx: usize) -> Result<ForeignFrame, DatasetError> {
-        let Sweep { log, time_ns } = &self.sweeps[scan_idx];
+        let Sweep { log, time_ns, .. } = &self.sweeps[scan_idx];
         Ok(ForeignFrame::Car {
             log_id: self.scan_ids()[scan_idx].sequence.clone(),
             timestamp_ns: *time_ns,
@@ -160,7 +172,7 @@ impl Dataset for SensorLogs {
     }
 
     fn official_scan(&self, scan_idx: usize) -> Result<Option<OfficialScan>, DatasetError> {
-        let Sweep { log, time_ns } = &self.sweeps[scan_idx];
+        let Sweep { log, time_ns, .. } = &self.sweeps[scan_idx];
         let objects = self.truth_of(log)?.objects.get(time_ns).cloned().unwrap_or_default();
         Ok(Some(OfficialScan { objects, origin_m: [0.0; 3] }))
     }
