@@ -50,8 +50,7 @@ const ON_GROUND_M: f64 = 0.2;
 ///
 /// From then on, detectors that must not see labels know where these are.
 pub fn look_first(opened: OpenedDataset, config: &mut RunConfig) -> OpenedDataset {
-    let root = opened.dataset.description().root.clone();
-    config.places_of_labels.extend(root.into_iter().chain([RUNS.into()]));
+    hide_labels_of(opened.dataset.description(), config);
     let proposed = suspicion_of_proposals(&opened);
     let mut opened = look_at_scans(opened, config);
     opened.first_look.suspicions.extend(proposed);
@@ -59,6 +58,10 @@ pub fn look_first(opened: OpenedDataset, config: &mut RunConfig) -> OpenedDatase
         warn_of(&opened.dataset.description().id, suspicion);
     }
     opened
+}
+
+fn hide_labels_of(description: &DatasetDescription, config: &mut RunConfig) {
+    config.places_of_labels.extend(description.root.clone().into_iter().chain([RUNS.into()]));
 }
 
 fn look_at_scans(opened: OpenedDataset, config: &mut RunConfig) -> OpenedDataset {
@@ -90,6 +93,7 @@ pub fn look_first_at_all(opened: Vec<OpenedDataset>, config: &mut RunConfig) -> 
 
 /// As [`look_first`], for a single scan without labels.
 pub fn look_at_scan(opened: &mut OpenedScan, stated: Stated, config: &mut RunConfig) {
+    hide_labels_of(&opened.description, config);
     let clouds: Vec<&PointCloud> = match &opened.of_data_set[..] {
         [] => vec![&opened.scan.cloud],
         of_data_set => of_data_set.iter().collect(),
