@@ -64,14 +64,7 @@ pub fn score(request: &ScoreRequest, payload: &[u8], mut config: RunConfig) -> R
         request.read(payload, enough, by_points).map_err(ScoreError::Request)?;
     let dataset = ScansInMemory::new(&request.dataset, annotated, request.sensor_height_m, scans, times_s);
     let results = ForeignResults::in_memory(&dataset, detections);
-    // Without points there is nothing that a model could look at.
-    let vehicles = if has_points { VehicleRule::Model } else { VehicleRule::Size };
-    let foreign = ForeignDetector {
-        name: kept(&request.detector),
-        folder: PathBuf::new(),
-        work: ForeignWork::Results(PathBuf::new()),
-        vehicles,
-    };
+    let foreign = detector_of(request, has_points);
     let compared = ComparedDetector::of(ChosenDetector::Foreign(foreign), &config);
     let mut detectors = vec![compared.begin_with_results(dataset.description(), results)];
     let scan_indices: Vec<usize> = (0..dataset.scan_ids().len()).collect();
@@ -113,4 +106,15 @@ pub fn score(request: &ScoreRequest, payload: &[u8], mut config: RunConfig) -> R
         Ok::<(), RunError>(())
     })?;
     Ok(scored)
+}
+
+/// The detector whose results are in `request`.
+fn detector_of(request: &ScoreRequest, has_points: bool) -> ForeignDetector {
+    ForeignDetector {
+        name: kept(&request.detector),
+        folder: PathBuf::new(),
+        work: ForeignWork::Results(PathBuf::new()),
+        // Without points there is nothing that a model could look at.
+        vehicles: if has_points { VehicleRule::Model } else { VehicleRule::Size },
+    }
 }
