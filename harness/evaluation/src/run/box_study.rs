@@ -174,28 +174,7 @@ type PairSlice<'a> = (&'a str, String, Vec<&'a (&'a str, BoxPair)>);
 /// The medians of all errors, or the means of shares, over `pairs`, each with the id of its data set: over all, by
 /// occlusion, range, class and number of points. `data` names the data.
 pub fn box_error_lines(pairs: &[(&str, BoxPair)], data: &str, is_simulated: bool) -> Vec<BoxErrorLine> {
-    let mut slices: Vec<PairSlice<'_>> = vec![("all", String::new(), pairs.iter().collect())];
-    for occlusion in OCCLUSIONS {
-        let of_slice: Vec<_> = pairs.iter().filter(|it| it.1.occlusion == occlusion).collect();
-        // The slice of unknown occlusion is left out if it is empty.
-        if occlusion.is_some() || !of_slice.is_empty() {
-            slices.push(("occlusion", occlusion.map_or("not said", Occlusion::name).to_owned(), of_slice));
-        }
-    }
-    for [from_m, to_m] in RANGES_M {
-        let of_slice = pairs.iter().filter(|it| (from_m..to_m).contains(&it.1.range_m)).collect();
-        slices.push(("range", format!("{from_m}–{to_m} m"), of_slice));
-    }
-    let classes: BTreeSet<&str> = pairs.iter().map(|it| it.1.class.name()).collect();
-    for class in classes {
-        let of_slice = pairs.iter().filter(|it| it.1.class.name() == class).collect();
-        slices.push(("class", class.to_owned(), of_slice));
-    }
-    for [from, to] in POINTS {
-        let of_slice = pairs.iter().filter(|it| (from..to).contains(&it.1.n_points)).collect();
-        let name = if to == usize::MAX { format!("{from} and more") } else { format!("{from}–{}", to - 1) };
-        slices.push(("points", name, of_slice));
-    }
+    let slices = slices_of(pairs);
     let drives: BTreeSet<(&str, &str)> = pairs.iter().map(|it| (it.0, it.1.second.drive())).collect();
     let kind = match Blocks::of(pairs.iter().map(|it| it.1.second.clone())).count().kind {
         kind @ (BlockKind::Named | BlockKind::Scans) => kind,
@@ -233,6 +212,33 @@ pub fn box_error_lines(pairs: &[(&str, BoxPair)], data: &str, is_simulated: bool
         shown.iter().map(|it| line(*it)).collect()
     };
     slices.par_iter().flat_map_iter(lines_of).collect()
+}
+
+/// All pairs, and those of each slice, with the names of what they are sliced by.
+fn slices_of<'a>(pairs: &'a [(&'a str, BoxPair)]) -> Vec<PairSlice<'a>> {
+    let mut slices: Vec<PairSlice<'_>> = vec![("all", String::new(), pairs.iter().collect())];
+    for occlusion in OCCLUSIONS {
+        let of_slice: Vec<_> = pairs.iter().filter(|it| it.1.occlusion == occlusion).collect();
+        // The slice of unknown occlusion is left out if it is empty.
+        if occlusion.is_some() || !of_slice.is_empty() {
+            slices.push(("occlusion", occlusion.map_or("not said", Occlusion::name).to_owned(), of_slice));
+        }
+    }
+    for [from_m, to_m] in RANGES_M {
+        let of_slice = pairs.iter().filter(|it| (from_m..to_m).contains(&it.1.range_m)).collect();
+        slices.push(("range", format!("{from_m}–{to_m} m"), of_slice));
+    }
+    let classes: BTreeSet<&str> = pairs.iter().map(|it| it.1.class.name()).collect();
+    for class in classes {
+        let of_slice = pairs.iter().filter(|it| it.1.class.name() == class).collect();
+        slices.push(("class", class.to_owned(), of_slice));
+    }
+    for [from, to] in POINTS {
+        let of_slice = pairs.iter().filter(|it| (from..to).contains(&it.1.n_points)).collect();
+        let name = if to == usize::MAX { format!("{from} and more") } else { format!("{from}–{}", to - 1) };
+        slices.push(("points", name, of_slice));
+    }
+    slices
 }
 
 /// Number of the drive or track of each pair, from 0, and how many there are. A pair without a track is a track of its own.
