@@ -110,7 +110,11 @@ def run(
         arguments += _option(name, value)
     made = [detector for detector in named if isinstance(detector, Detector)]
     settings = {
-        "start_limit_s": start_limit_s, "time_limit_s": time_limit_s, "threads": threads, "sandbox": sandbox, "vehicles": vehicles
+        "start_limit_s": start_limit_s,
+        "time_limit_s": time_limit_s,
+        "threads": threads,
+        "sandbox": sandbox,
+        "vehicles": vehicles,
     }
     with _configuration(made, Path(config) if config is not None else None, settings) as written:
         call([*arguments, *(["-c", str(written)] if written else [])], quiet=quiet)
