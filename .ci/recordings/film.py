@@ -61,6 +61,6 @@ run(program, "streaming", "two", "-d", "kd-tree,hierarchical", *latencies, "--sa
 two, late = folder / "two" / "recording", next((folder / "two").glob("*stream*.rrd"))
 add(two, "scan", "sequence", [0, 12], 3000, "Yellow is missed, orange is false: the list says why")
 add(two, "scan", "sequence", range(16, 48, 4), 900, "Two detectors on the same scans")
-add(late, "drive_time", "duration", [0.1 * it for it in range(10, 34)], 280, "kd-tree answers 0.3 s late: its boxes hang behind the cars")
+add(late, "drive_time", "duration", [0.1 * it for it in range(10, 34)], 280, "a detector that answers 0.3 s late: its boxes hang behind the cars")
 frames[0].save(film, save_all=True, append_images=frames[1:], duration=shown_ms, loop=0, quality=35, method=4)
 print(f"{film}: {len(frames)} frames, {sum(shown_ms) / 1000:.0f} s, {film.stat().st_size / 1e6:.1f} MB")

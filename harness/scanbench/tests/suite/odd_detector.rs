@@ -226,14 +226,14 @@ impl Odd {
 fn peek() {
     let port = std::fs::read_to_string("port").unwrap();
     let answers = std::net::TcpStream::connect(format!("127.0.0.1:{port}")).is_ok();
-    let mut found = format!("network {answers}\n");
+    let mut found = vec![format!("network {answers}\n")];
     for path in ["street/training/label_02/0000.txt", "runs/earlier/matches.csv"] {
         for folder in std::path::Path::new(path).ancestors().filter(|it| it.components().next().is_some()) {
             let _ = Command::new("umount").arg(folder).stderr(Stdio::null()).status();
         }
-        found += &format!("{path} {}\n", std::fs::read(path).is_ok());
+        found.push(format!("{path} {}\n", std::fs::read(path).is_ok()));
     }
-    std::fs::write("found", found).unwrap();
+    std::fs::write("found", found.concat()).unwrap();
 }
 
 fn say_aloud(words: &str) {

@@ -42,24 +42,6 @@ fn our_own_results_are_judged_as_we_are() {
     }
 }
 
-#[test]
-fn results_are_found_by_numbers_and_by_the_names_of_sweeps() {
-    let workplace = Workplace::new();
-    copy_folder(&crate::readers::argoverse2::drawn(), &workplace.path("log"));
-    workplace.succeed(&("run log -d pca", OUTPUT, "first --detections-out found --as csv"));
-    let judged = |output: &str| {
-        workplace.succeed(&("run log -d simple-grid --detections mine=found/pca", OUTPUT, output));
-        counts(&workplace, output, "mine")
-    };
-    let by_number = judged("by-number");
-    assert_eq!(by_number, counts(&workplace, "first", "pca"));
-    let folder = workplace.path("found/pca/drawn-log");
-    for (number, sweep) in [("000000", "1000"), ("000001", "2000")] {
-        std::fs::rename(folder.join(format!("{number}.csv")), folder.join(format!("{sweep}.csv"))).unwrap();
-    }
-    assert_eq!(judged("by-name"), by_number);
-}
-
 /// Boxes of vehicles that are unlikely, and scores of boxes, are carried, too.
 #[test]
 fn protocols_rank_our_own_results_as_they_rank_us() {

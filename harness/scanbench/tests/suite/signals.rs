@@ -143,7 +143,7 @@ fn with_dense_scan() -> Workplace {
 #[test]
 fn the_kd_tree_ends_soon_in_the_middle_of_two_million_points() {
     let workplace = with_dense_scan();
-    let detect = "detect dense/000000.bin -d kd-tree -P foreground=all -o clusters.u32";
+    let detect = "detect dense/000000.bin -d kd-tree -P foreground=all -P neighbors=tree -o clusters.u32";
     let in_the_middle = Duration::from_millis(1500);
     for signals in [&["-INT"][..], &["-TERM", "-INT"]] {
         let (ended, time) = interrupted(&workplace, detect, in_the_middle, signals);
@@ -151,7 +151,7 @@ fn the_kd_tree_ends_soon_in_the_middle_of_two_million_points() {
         assert_eq!(workplace.top_names(), ["dense"]);
     }
     // A sweep keeps what it has.
-    let sweep = "sweep dense -d kd-tree -P foreground=all -L tolerance_m=0.5,0.6 -o out";
+    let sweep = "sweep dense -d kd-tree -P foreground=all -P neighbors=tree -L tolerance_m=0.5,0.6 -o out";
     let (ended, time) = interrupted(&workplace, sweep, in_the_middle, &["-INT"]);
     assert!(time < SOON && ended.exit_code == Some(130), "{time:?}, {ended:#?}");
     ended.check_stderr(&["is kept in out.unfinished; to continue, give the same command again"]);

@@ -44,6 +44,24 @@ fn sweeps_are_read_in_the_frame_of_the_sensor() {
 }
 
 #[test]
+fn results_are_found_by_numbers_and_by_the_names_of_sweeps() {
+    let boxes =
+        "center_x_m,center_y_m,center_z_m,length_m,width_m,height_m,yaw_rad\n10.0,0.0,-1.1,4.0,2.0,1.5,0.0\n";
+    for (names, is_found) in
+        [(["000000", "000001"], true), (["1000", "2000"], true), (["1000", "000003"], false)]
+    {
+        let workplace = Workplace::new();
+        copy_folder(&drawn(), &workplace.path("log"));
+        for name in names {
+            workplace.write(&format!("found/{name}.csv"), boxes);
+        }
+        let run = "run log -d simple-grid --detections deep=found -P matching.min_points=1 --no-rrd -o out";
+        let ended = workplace.run(run);
+        assert_eq!(ended.exit_code == Some(0), is_found, "{names:?} {ended:#?}");
+    }
+}
+
+#[test]
 #[ignore = "needs data/argoverse2 in SCANBENCH_TEST_DATA"]
 fn boxes_hold_as_many_points_as_the_makers_counted() {
     let folder = test_data("data/argoverse2");

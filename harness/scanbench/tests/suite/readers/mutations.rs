@@ -117,9 +117,25 @@ pub fn read_within(path: &Path, damage: DamagePolicy, limits: Limits, name: &str
     within(limits, name, move || read_all(&owned, damage))
 }
 
+/// How many times the limit is waited for: other processes may use the processors, too.
+const LONGEST_WAIT: u32 = 20;
+
+/// Time on processors of this thread.
+#[cfg(unix)]
+fn time_of_thread() -> Duration {
+    let time = rustix::time::clock_gettime(rustix::time::ClockId::ThreadCPUTime);
+    Duration::new(time.tv_sec as u64, time.tv_nsec as u32)
+}
+
+/// Time, where that of a thread is not asked for.
+#[cfg(not(unix))]
+fn time_of_thread() -> Duration {
+    std::time::UNIX_EPOCH.elapsed().unwrap()
+}
+
 /// Lets `read` work in a thread of its own, so that what never ends fails and does not hang.
 ///
-/// Panics if it panics, takes longer or takes more memory than `limits`; `name` is what it is called then.
+/// Panics if it panics, takes more of a processor's time or more memory than `limits`; `name` is what it is called then.
 #[track_caller]
 pub fn within(
     limits: Limits,
@@ -129,16 +145,18 @@ pub fn within(
     let (send, receive) = mpsc::channel();
     let reader = std::thread::spawn(move || {
         let mut read = Ok(());
+        let begun = time_of_thread();
         let used = allocation_counter::measure(|| read = work());
         // Nobody listens any more where it took too long.
-        let _ = send.send((read, used.bytes_max));
+        let _ = send.send((read, used.bytes_max, time_of_thread().saturating_sub(begun)));
     });
-    match receive.recv_timeout(limits.time) {
-        Ok((read, bytes_max)) => {
+    match receive.recv_timeout(limits.time * LONGEST_WAIT) {
+        Ok((read, bytes_max, time)) => {
             assert!(bytes_max < limits.memory_bytes, "{name} used {bytes_max} bytes");
+            assert!(time < limits.time, "{name} took {time:?}");
             read
         }
-        Err(mpsc::RecvTimeoutError::Timeout) => panic!("{name} took longer than {:?}", limits.time),
+        Err(mpsc::RecvTimeoutError::Timeout) => panic!("{name} does not end"),
         Err(mpsc::RecvTimeoutError::Disconnected) => {
             drop(reader.join());
             panic!("{name} panicked");
