@@ -229,7 +229,8 @@ READINGS = [
         ("good faith", "text", "1", "-1"), ("with walls", "ours", "2", ""), ("by centre", "open", "3", "")]
 ]
 CLAIM = {"readings": READINGS, "settings": [1, 9], "verdict": "holds_with_readings"}
-CLAIMS = [CLAIM | {"claim": {"paper": paper, "printed": "83", "says": "It leads.", "test": {"kind": "lead"}}} for paper in ("HG", "VM")]
+CLAIMS = [CLAIM | {"claim": {"paper": paper, "printed": "83", "says": "It leads.", "test": {"kind": kind}}}
+          for paper, kind in (("HG", "lead"), ("VM", "faster"))]
 RATES = """source,dataset,detector,no,precision,recall,f_rate,f_rate_low,f_rate_high,fps_mean,few_blocks
 measured,overall,grid,9,0.5,0.5,0.5,0.4,0.6,12.3,true
 """
@@ -285,6 +286,9 @@ SHOWN = {
         "claims HG", {"reproduction.json": json.dumps({"claims": CLAIMS})},
         "1 claims (holds with readings: 1).\n\n| claim | printed | here | verdict |\n| :-- | :-- | :-- | :-- |\n"
         "| It leads. | 83 | 1; -1 | holds with readings (by centre); 1 of 9 settings |"),
+    "a claim about speed has all its readings": (
+        "claims VM", {"reproduction.json": json.dumps({"claims": CLAIMS})},
+        "| It leads. | 83 | 1; -1; with walls: ; by centre:  | holds with readings (by centre); 1 of 9 settings |"),
     "changes are against the first condition": (
         "condition-changes grid", {"robustness.csv": CONDITIONS},
         "| --: |\n| weather | rain | −10.0 |\n| weather | hail | – |"),
