@@ -89,6 +89,13 @@ impl Tally {
         Self { processors, simulated, ..Self::default() }
     }
 
+    /// A tally for rows of the same scans, evaluated in another way.
+    pub fn without_rows(&self) -> Self {
+        let (blocks, own_slices) = (self.blocks.clone(), self.own_slices.clone());
+        let simulated = self.simulated.clone();
+        Self { blocks, processors: self.processors, simulated, own_slices, ..Self::default() }
+    }
+
     /// This tally with named blocks: `blocks` holds the block of a scan by id of the data set and name of the scan.
     pub fn with_blocks(self, blocks: BTreeMap<String, BTreeMap<String, String>>) -> Self {
         Self { blocks, ..self }

@@ -83,7 +83,7 @@ pub enum ClaimTest {
         /// `every` for each data set, `overall` for all together, or part of the names of those that count.
         scenes: String,
     },
-    /// The lead is greater on some data sets than on the others.
+    /// The lead is greater on some data sets than on the others, surely.
     LeadsMost {
         /// The task.
         task: Task,
@@ -131,10 +131,12 @@ pub enum ClaimTest {
         /// In metres.
         to_m: f64,
     },
-    /// A step takes longer than any other.
-    LongestStep {
-        /// Its name in the paper.
-        step: String,
+    /// Some steps take the longest, in this order, and another the least time.
+    OrderOfSteps {
+        /// Their names in the paper, longest first.
+        longest: Vec<String>,
+        /// The name of the other.
+        shortest: String,
     },
     /// Hulls give more boxes a right heading than principal axes do.
     TurnedRight {
@@ -175,7 +177,7 @@ impl ClaimTest {
                 format!("the {rate} of {method} is surely above that of {rival} (95 %) {on}")
             }
             Self::LeadsMost { method, rival, scenes, .. } => format!(
-                "{method} leads {rival} by more on each data set called {} than on any other",
+                "{method} surely leads {rival} by more (95 %) on each data set called {} than on any other",
                 scenes.join(" or ")
             ),
             Self::Faster { method, rival, at_least, .. } => {
@@ -193,7 +195,9 @@ impl ClaimTest {
             Self::PeakOfFRate { from_m, to_m } => {
                 format!("the F-rate is greatest at a cell size {}", cells([from_m, to_m]))
             }
-            Self::LongestStep { step } => format!("no step takes longer than {step}"),
+            Self::OrderOfSteps { longest, shortest } => {
+                format!("{} take the longest, in this order, and {shortest} the least", longest.join(", "))
+            }
             Self::TurnedRight { within_deg } => {
                 format!("hulls turn more boxes right, within {within_deg}°, than principal axes do")
             }

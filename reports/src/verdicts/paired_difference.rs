@@ -37,7 +37,7 @@ fn between(metric: &Metric, before: f64, after: f64) -> f64 {
 
 impl PairedDifference {
     /// The difference between two values, with its interval from those of the same draws from `blocks`.
-    pub(super) fn new(
+    pub(crate) fn new(
         metric: &Metric,
         [before, after]: [f64; 2],
         of_draws: impl Iterator<Item = (Option<f64>, Option<f64>)>,

@@ -1,13 +1,12 @@
-//! Joint settings of the values that the papers leave open, and the counts of each.
+//! Joint settings of the values that the papers leave open, and what is found under each.
 
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 use std::sync::atomic::AtomicBool;
 use std::sync::{Mutex, PoisonError};
 
 use rand::seq::SliceRandom as _;
 use rand::{RngExt as _, SeedableRng as _};
 use rand_chacha::ChaCha8Rng;
-use reports::rows::counts::Counts;
 use reports::rows::scan_row::ScanRow;
 use reports::run_folder::sweep_entry::SweptParameter;
 use reports::vocabulary::task::Task;
@@ -79,35 +78,30 @@ pub fn plan(
 /// A joint setting: for each value the share of its range, 0 to below 1.
 pub type Shares = Vec<f64>;
 
-/// Counts of a detector for each of [`Task::ALL`].
-pub type TaskCounts = [Counts; Task::ALL.len()];
-
-/// Counts over all scans `scan_indices` of `dataset`: for each point of `plan`, those of each detector.
+/// Rows of `scans.csv` of all scans `scan_indices` of `dataset` at each point of `plan`, in the order of the scans, with the
+/// names of the detectors.
 ///
 /// `on_scan` is called after every scan, from several threads.
 ///
 /// # Errors
 ///
 /// [`SweepError`] if a scan cannot be read (the first such scan), a detector fails, or once `interrupted` is set.
-pub fn count(
+pub fn rows_at_points(
     plan: &SweepPlan,
     dataset: &dyn Dataset,
     scan_indices: &[usize],
     interrupted: &AtomicBool,
     on_scan: impl Fn() + Sync,
-) -> Result<Vec<Vec<TaskCounts>>, SweepError> {
+) -> Result<Vec<Vec<ScanRow>>, SweepError> {
     let (n_scans, n_points) = (scan_indices.len(), plan.points.len());
     let datasets = &[SweptDataset { dataset, scan_indices, part: 0..n_scans }];
     let pass = SweepPass { plan, datasets, protocols: None, interrupted };
-    let none = Counts::new(0, 0, Some(0)).expect("nothing is found of nothing");
-    let sums = Mutex::new(vec![vec![[none; Task::ALL.len()]; plan.detectors.len()]; n_points]);
+    let kept = Mutex::new(BTreeMap::new());
     let counted = pass.count(&BTreeSet::new(), rayon::current_num_threads(), &|scan| {
-        let mut sums = sums.lock().unwrap_or_else(PoisonError::into_inner);
-        let of_point = sums[scan.point_idx].iter_mut().flatten();
-        for (sum, numbers) in of_point.zip(scan.scans.iter().filter_map(ScanRow::numbers)) {
-            *sum += numbers.counts;
-        }
-        if scan.point_idx + 1 == n_points {
+        let is_last = scan.point_idx + 1 == n_points;
+        let mut kept = kept.lock().unwrap_or_else(PoisonError::into_inner);
+        kept.insert((scan.point_idx, scan.scan_idx), scan.scans);
+        if is_last {
             on_scan();
         }
         Ok(())
@@ -118,7 +112,14 @@ pub fn count(
         }
         error => error,
     })?;
-    Ok(sums.into_inner().unwrap_or_else(PoisonError::into_inner))
+    let mut rows = vec![Vec::new(); n_points];
+    for ((point_idx, _), of_scan) in kept.into_inner().unwrap_or_else(PoisonError::into_inner) {
+        // A sweep names the values of the point with the detector.
+        let names = plan.detectors.iter().flat_map(|it| [it.name(); Task::ALL.len()]);
+        let named = of_scan.into_iter().zip(names);
+        rows[point_idx].extend(named.map(|(row, name)| ScanRow { detector: name.to_owned(), ..row }));
+    }
+    Ok(rows)
 }
 
 #[cfg(test)]

@@ -1,23 +1,22 @@
 //! Choosing the values that the papers leave open, as their authors had to.
 
 use std::fmt::Write as _;
-use std::sync::atomic::AtomicBool;
 
 use evaluation::reproduction::coordinate_search::CoordinateSearch;
 use evaluation::reproduction::open_values::{OpenValue, chosen_values_of};
-use evaluation::reproduction::settings::{Shares, count, latin_hypercube, plan, point, points_at};
+use evaluation::reproduction::settings::{Shares, latin_hypercube, point, points_at};
 use evaluation::run::config::RunConfig;
-use evaluation::run::detector_list::{ChosenDetector, built_in_named};
-use evaluation::sweep::sweep_plan::{SweepPlan, SweepPoint};
+use evaluation::sweep::sweep_plan::SweepPoint;
+use reports::numbers::tally::Tally;
 use reports::vocabulary::task::Task;
 
+use super::settings_study::FoundAtPoints;
 use crate::cli::{ChosenFor, ReproduceArgs};
 use crate::plumbing::failure::Failure;
 use crate::plumbing::first_look::look_first_at_all;
 use crate::plumbing::interruption::interruption_flag;
 use crate::plumbing::judged_streets::refuse_judged;
-use crate::plumbing::open_datasets::{OpenedDataset, open_datasets};
-use crate::plumbing::progress::progress_over_scans;
+use crate::plumbing::open_datasets::open_datasets;
 use crate::plumbing::standard_streams::print_result;
 
 /// Tries joint settings of all values of `detector` but the criterion, and prints the ten with the greatest mean rate, and
@@ -29,12 +28,13 @@ pub fn choose(arguments: &ReproduceArgs, detector: ChosenFor) -> Result<(), Fail
     let datasets = look_first_at_all(datasets, &mut config);
     let values = chosen_values_of(detector.name());
     let names: Vec<&str> = values.iter().map(|it| it.parameter).collect();
-    let method = ChosenDetector::from(built_in_named(&[detector.name().to_owned()], &config)?[0]);
     let tried = |points: Vec<SweepPoint>| -> Result<Vec<Tried>, Failure> {
-        let plan = plan(&config, vec![method.clone()], &names, points);
-        let rates = rates(&plan, detector.tasks(), &datasets, interruption_flag())?;
-        let points = plan.points.into_iter().zip(rates);
-        Ok(points.map(|(point, rates)| Tried { values: point.values, rates }).collect())
+        let values: Vec<_> = points.iter().map(|it| it.values.clone()).collect();
+        let points = (names.as_slice(), points);
+        let (detectors, empty) = ([detector.name()], Tally::default());
+        let found = FoundAtPoints::of(&config, &detectors, points, &datasets, &empty, interruption_flag())?;
+        let of_points = values.into_iter().zip(found.tallies());
+        Ok(of_points.map(|(values, tally)| Tried { values, rates: rates(tally, detector) }).collect())
     };
     let shipped = names.iter().map(|it| config.value_of(it).expect("the list is tested").to_string());
     let shipped = tried(vec![point(&config, &names, shipped.collect())?])?;
@@ -95,26 +95,14 @@ fn searched(
     }
 }
 
-/// Of every point the rates by data set and each of `tasks`: the F-rate, or the recall where false detections are not known.
-fn rates(
-    plan: &SweepPlan,
-    tasks: &[Task],
-    datasets: &[OpenedDataset],
-    interrupted: &AtomicBool,
-) -> Result<Vec<Vec<(String, f64)>>, Failure> {
-    let mut rates: Vec<Vec<(String, f64)>> = vec![Vec::new(); plan.points.len()];
-    for it in datasets {
-        let description = it.dataset.description();
-        let progress = progress_over_scans(it.scan_indices.len(), &description.id);
-        let counts = count(plan, &*it.dataset, &it.scan_indices, interrupted, || progress.inc(1))?;
-        progress.finish_and_clear();
-        for (rates, counts) in rates.iter_mut().zip(counts) {
-            for (task, counts) in Task::ALL.into_iter().zip(counts[0]).filter(|it| tasks.contains(&it.0)) {
-                if let Some(rate) = counts.f_rate().or_else(|| counts.recall()) {
-                    rates.push((format!("{} {task}", description.id), rate));
-                }
-            }
-        }
-    }
-    Ok(rates)
+/// The rates by data set and task of `detector`: the F-rate, or the recall where false detections are not known.
+fn rates(tally: &Tally, detector: ChosenFor) -> Vec<(String, f64)> {
+    let of_dataset = |id: &String| {
+        let rate = |task: &Task| {
+            let counts = tally.counts(id, *task, detector.name())?;
+            Some((format!("{id} {task}"), counts.f_rate().or_else(|| counts.recall())?))
+        };
+        detector.tasks().iter().filter_map(rate).collect::<Vec<_>>()
+    };
+    tally.datasets().iter().flat_map(of_dataset).collect()
 }

@@ -2,16 +2,17 @@
 
 use std::sync::atomic::AtomicBool;
 
+use detector::stage;
 use evaluation::run::config::RunConfig;
-use reports::files::fixed_decimals::{fixed_decimals, percent, signed_percent};
+use reports::files::fixed_decimals::{fixed_decimals, percent};
 use reports::numbers::pools::Pool;
 use reports::numbers::run_report::{RunReport, Subject};
 use reports::numbers::tally::Tally;
 use reports::reproduction::claim::{Claim, ClaimTest, Paper, claims};
 use reports::reproduction::judged_claim::{JudgedClaim, Seen};
-use reports::reproduction::lead::{LeadsOf, Pair, SceneLead, holds_on_all, seen};
+use reports::reproduction::lead::{LeadsOf, Pair, Reading, holds_on_all, seen, seen_most};
 use reports::reproduction::steps::{self, Basis, DENIED_RIVALS, RivalReading, STEPS, basis, reading};
-use reports::tables::paper_figures::VEHICLE_STEPS;
+use reports::tables::paper_figures::{PaperStep, VEHICLE_STEPS};
 use reports::uncertainty::sample::Question;
 use reports::verdicts::paired_difference::PairedDifference;
 use reports::vocabulary::class::Occlusion;
@@ -22,7 +23,7 @@ use reports::vocabulary::task::Task;
 use super::METHOD;
 use super::observations::{GOOD_FAITH, Observations};
 use super::partial_objects::PartialObjects;
-use super::settings_study::{CountedPoints, RIVALS, SettingsStudy, criteria, points_by_criterion};
+use super::settings_study::{FoundAtPoints, RIVALS, SettingsStudy, criteria, points_by_criterion};
 use crate::plumbing::failure::Failure;
 use crate::plumbing::open_datasets::OpenedDataset;
 
@@ -36,8 +37,8 @@ pub struct Judge<'a> {
     leads: &'a LeadsOf<'a>,
     datasets: &'a [OpenedDataset],
     settings: Option<&'a SettingsStudy>,
-    // For each criterion but the first: counts of the method, then of its rivals.
-    by_criterion: CountedPoints,
+    // The method and its rivals, by each criterion but the first.
+    by_criterion: FoundAtPoints,
     observed: Observations,
     // `None` if the claims of BG are not judged.
     objects: Option<PartialObjects>,
@@ -53,9 +54,9 @@ impl<'a> Judge<'a> {
         interrupted: &AtomicBool,
     ) -> Result<Self, Failure> {
         let all = [METHOD, RIVALS[0].0, RIVALS[1].0];
-        let points = points_by_criterion(config)?.split_off(1);
+        let points = (["matching.criterion"].as_slice(), points_by_criterion(config)?.split_off(1));
         let by_criterion =
-            CountedPoints::of(config, &all, &["matching.criterion"], points, datasets, interrupted)?;
+            FoundAtPoints::of(config, &all, points, datasets, &tally.without_rows(), interrupted)?;
         let observed = Observations::of(of_first_origin(datasets), config, interrupted)?;
         Ok(Self { tally, report, leads, datasets, settings, by_criterion, observed, objects })
     }
@@ -78,11 +79,19 @@ impl<'a> Judge<'a> {
     fn judged(&self, claim: Claim) -> JudgedClaim {
         let (readings, settings) = match &claim.test {
             ClaimTest::Lead { task, metric, method, rival, scenes } => {
-                let pair = Pair { task: *task, method, rival };
-                self.lead(pair, &metric.metric(), scenes)
+                let (pair, metric) = (Pair { task: *task, method, rival }, metric.metric());
+                let readings = self.readings(pair, |reading, leads, pair| {
+                    seen(reading, &leads.on_all(pair, &metric, scenes))
+                });
+                let settings = self.settings.filter(|_| readings.len() > 1);
+                (readings, settings.and_then(|it| it.n_leading(*task, scenes == "every")))
             }
             ClaimTest::LeadsMost { task, method, rival, scenes } => {
-                (vec![self.leads_most(Pair { task: *task, method, rival }, scenes)], None)
+                let pair = Pair { task: *task, method, rival };
+                let most = |reading: Reading<'_>, leads: &LeadsOf<'_>, pair: Pair<'_>| {
+                    seen_most(reading, &leads.on_scenes(pair, &Metric::FRate, ""), &leads.most(pair, scenes))
+                };
+                (self.readings(pair, most), None)
             }
             ClaimTest::Faster { method, rival, sped_up, at_least } => {
                 let sped_up =
@@ -102,7 +111,7 @@ impl<'a> Judge<'a> {
             ClaimTest::PeakOfFRate { from_m, to_m } => {
                 (self.observed.peak_of_f_rate([*from_m, *to_m]).into_iter().collect(), None)
             }
-            ClaimTest::LongestStep { step } => (self.longest_step(step).into_iter().collect(), None),
+            ClaimTest::OrderOfSteps { longest, shortest } => (self.order_of_steps(longest, shortest), None),
             ClaimTest::TurnedRight { within_deg } => {
                 (self.observed.turned_right(*within_deg).into_iter().collect(), None)
             }
@@ -124,82 +133,24 @@ impl<'a> Judge<'a> {
         JudgedClaim::new(claim, readings, settings)
     }
 
-    fn lead(&self, pair: Pair<'_>, metric: &Metric, scenes: &str) -> (Vec<Seen>, Option<[usize; 2]>) {
-        let leads = |pair: Pair<'_>| -> Vec<SceneLead> {
-            match scenes {
-                "every" => self.leads.on_scenes(pair, metric, ""),
-                "overall" => self.leads.overall(pair, metric),
-                part => self.leads.on_scenes(pair, metric, part),
-            }
-        };
-        let mut readings = vec![seen(GOOD_FAITH, Basis::Text, &leads(pair))];
-        let is_of_tables = RIVALS.contains(&(pair.rival, pair.task)) && *metric == Metric::FRate;
-        if pair.method != METHOD || !is_of_tables {
-            return (readings, None);
+    /// What is `seen` of a pair in good faith, and under the other readings if the tables of the papers are about it.
+    fn readings(
+        &self,
+        pair: Pair<'_>,
+        seen: impl Fn(Reading<'_>, &LeadsOf<'_>, Pair<'_>) -> Seen,
+    ) -> Vec<Seen> {
+        let mut readings = vec![seen((GOOD_FAITH, Basis::Text), self.leads, pair)];
+        if pair.method != METHOD || !RIVALS.contains(&(pair.rival, pair.task)) {
+            return readings;
         }
         let letter = Pair { method: LETTER_DETECTOR, ..pair };
-        readings.push(seen(LETTER, Basis::Open, &leads(letter)));
-        let on_each = scenes == "every";
-        let of_points = criteria().iter().skip(1).enumerate();
-        let by_criteria = of_points.map(|(idx, criterion)| self.by_criterion(pair, idx, criterion, on_each));
-        // They have no interval; where that of good faith rests on too few blocks, theirs would, too.
-        let is_known = leads(pair).iter().all(SceneLead::is_known);
-        readings.extend(by_criteria.map(|it| Seen { holds: it.holds.filter(|_| is_known), ..it }));
-        readings.extend(step_readings(pair, leads));
-        (readings, self.settings.and_then(|it| it.n_leading(pair.task, on_each)))
-    }
-
-    fn by_criterion(&self, pair: Pair<'_>, point_idx: usize, criterion: &str, on_each: bool) -> Seen {
-        let rival_idx = 1 + RIVALS.iter().position(|it| it.0 == pair.rival).expect("it was looked at");
-        let scenes: Vec<Vec<usize>> =
-            if on_each { (0..self.datasets.len()).map(|it| vec![it]).collect() } else { self.by_origin() };
-        let (mut numbers, mut differences, mut holds, mut n_unknown) = (Vec::new(), Vec::new(), true, 0);
-        for scene in scenes {
-            let rate = |detector_idx| self.by_criterion.f_rate(&scene, point_idx, detector_idx, pair.task);
-            let Some((method, rival)) = rate(0).zip(rate(rival_idx)) else {
-                n_unknown += 1;
-                continue;
-            };
-            numbers.push(format!("{} against {}", percent(method), percent(rival)));
-            differences.push(signed_percent(method - rival));
-            holds &= method > rival;
-        }
-        Seen {
-            reading: format!("by {criterion}"),
-            basis: Basis::Open,
-            numbers: numbers.join("; "),
-            difference: differences.join("; "),
-            // One scene where it does not hold refutes it; a scene that nothing is known of leaves it open.
-            holds: (!numbers.is_empty() && (n_unknown == 0 || !holds)).then_some(holds),
-        }
-    }
-
-    /// The data sets, recorded and simulated ones apart.
-    fn by_origin(&self) -> Vec<Vec<usize>> {
-        let is_simulated = |it: &usize| is_simulated(&self.datasets[*it]);
-        let (simulated, recorded): (Vec<usize>, Vec<usize>) =
-            (0..self.datasets.len()).partition(is_simulated);
-        [simulated, recorded].into_iter().filter(|it| !it.is_empty()).collect()
-    }
-
-    fn leads_most(&self, pair: Pair<'_>, scenes: &[String]) -> Seen {
-        let leads = self.leads.on_scenes(pair, &Metric::FRate, "");
-        let is_in = |it: &&SceneLead| scenes.iter().any(|part| it.scene.contains(part.as_str()));
-        let (hard, easy): (Vec<_>, Vec<_>) = leads.iter().partition(is_in);
-        let points =
-            |leads: &[&SceneLead]| leads.iter().map(|it| it.difference.difference()).collect::<Vec<_>>();
-        let least = points(&hard).into_iter().reduce(f64::min);
-        let most = points(&easy).into_iter().reduce(f64::max);
-        let numbers =
-            leads.iter().map(|it| format!("{}: {}", it.scene, signed_percent(it.difference.difference())));
-        Seen {
-            reading: GOOD_FAITH.to_owned(),
-            basis: Basis::Text,
-            numbers: numbers.collect::<Vec<_>>().join("; "),
-            difference: String::new(),
-            // A method that is behind leads nowhere the most.
-            holds: least.zip(most).map(|(least, most)| least > most.max(0.0)),
-        }
+        readings.push(seen((LETTER, Basis::Open), self.leads, letter));
+        let of_criteria = self.by_criterion.tallies().iter().zip(&criteria()[1..]);
+        readings.extend(of_criteria.map(|(tally, criterion)| {
+            seen((&format!("by {criterion}"), Basis::Open), &LeadsOf::new(tally), pair)
+        }));
+        readings.extend(step_readings(pair, |reading, pair| seen(reading, self.leads, pair)));
+        readings
     }
 
     /// The pool of the first data set: all those of its origin.
@@ -236,27 +187,35 @@ impl<'a> Judge<'a> {
         let leads = self.leads.overall(pair, &Metric::UnderSegmentation);
         let is_less = |it: &PairedDifference| it.interval.is_some_and(|it| it.ends[1] < 0.0);
         let holds = holds_on_all(&leads, is_less);
-        Seen { holds, ..seen(GOOD_FAITH, Basis::Text, &leads) }
+        Seen { holds, ..seen((GOOD_FAITH, Basis::Text), &leads) }
     }
 
-    fn longest_step(&self, step: &str) -> Option<Seen> {
-        let time_ms = |stages: &[&str]| {
-            stages
-                .iter()
-                .filter_map(|it| self.median_ms(METHOD, &Metric::StageP50((*it).to_owned())))
-                .sum::<f64>()
+    /// Whether the steps of VM take the longest in the order of `longest`, and `shortest` the least time. Dense cells are
+    /// filled where objects are separated; VM 3 has them in the grid.
+    fn order_of_steps(&self, longest: &[String], shortest: &str) -> Vec<Seen> {
+        let time_ms = |step: &PaperStep, has_dense_level: bool| -> Option<f64> {
+            let stages = step.stages.iter().copied().filter(|it| *it != stage::DENSE_LEVEL);
+            let stages = stages.chain(has_dense_level.then_some(stage::DENSE_LEVEL));
+            stages.map(|it| self.median_ms(METHOD, &Metric::StageP50(it.to_owned()))).sum()
         };
-        let times_ms: Vec<(&str, f64)> =
-            VEHICLE_STEPS.iter().map(|it| (it.name, time_ms(it.stages))).collect();
-        let longest = times_ms.iter().copied().reduce(|best, it| if it.1 > best.1 { it } else { best })?;
-        let numbers = times_ms.iter().map(|(name, ms)| format!("{name} {} ms", fixed_decimals(*ms, 2)));
-        Some(Seen {
-            reading: GOOD_FAITH.to_owned(),
-            basis: Basis::Text,
-            numbers: numbers.collect::<Vec<_>>().join(", "),
-            difference: format!("{} takes the longest", longest.0),
-            holds: (longest.1 > 0.0).then_some(longest.0 == step),
-        })
+        let seen = |(reading, basis, dense_level_in): (&str, Basis, &str)| {
+            let time = |it: &PaperStep| Some((it.name, time_ms(it, it.name == dense_level_in)?));
+            let mut times_ms = VEHICLE_STEPS.iter().map(time).collect::<Option<Vec<_>>>()?;
+            let numbers = times_ms.iter().map(|(name, ms)| format!("{name} {} ms", fixed_decimals(*ms, 2)));
+            let numbers = numbers.collect::<Vec<_>>().join(", ");
+            times_ms.sort_by(|a, b| b.1.total_cmp(&a.1));
+            let names: Vec<&str> = times_ms.iter().map(|it| it.0).collect();
+            let is_printed = names.iter().zip(longest).all(|(name, printed)| name == printed);
+            Some(Seen {
+                reading: reading.to_owned(),
+                basis,
+                numbers,
+                difference: format!("from the longest: {}", names.join(", ")),
+                holds: Some(is_printed && names.last() == Some(&shortest)),
+            })
+        };
+        let dense_cells = ("dense cells belong to the grid", Basis::Open, "grid");
+        [(GOOD_FAITH, Basis::Text, "separation"), dense_cells].into_iter().filter_map(seen).collect()
     }
 
     fn misses_are_occluded(&self, method: &str) -> Option<Seen> {
@@ -284,21 +243,18 @@ impl<'a> Judge<'a> {
     }
 }
 
-/// Readings of `pair` after each of [`STEPS`], against all rivals and, for objects, against each of [`DENIED_RIVALS`]: by
-/// basis, fewest steps first. Good faith is seen elsewhere.
-fn step_readings<'p>(pair: Pair<'p>, leads: impl Fn(Pair<'p>) -> Vec<SceneLead>) -> Vec<Seen> {
-    let after = |step_idx: usize| Pair { method: STEPS[step_idx].detector, ..pair };
+/// What is `seen` of `pair` after each of [`STEPS`], against all rivals and, for objects, against each of
+/// [`DENIED_RIVALS`]: by basis, fewest steps first. Good faith is seen elsewhere.
+fn step_readings(pair: Pair<'_>, seen: impl Fn(Reading<'_>, Pair<'_>) -> Seen) -> Vec<Seen> {
+    let after = |step_idx: usize, rival: Option<&RivalReading>| {
+        let pair = Pair { method: STEPS[step_idx].detector, ..pair };
+        let pair = rival.map_or(pair, |it| Pair { rival: it.detector, ..pair });
+        seen((&reading(step_idx, rival), basis(step_idx, rival)), pair)
+    };
     let is_other = |step_idx: &usize| STEPS[*step_idx].detector != steps::GOOD_FAITH;
-    let against_all = (0..STEPS.len())
-        .filter(is_other)
-        .map(|step_idx| seen(&reading(step_idx, None), basis(step_idx, None), &leads(after(step_idx))));
+    let against_all = (0..STEPS.len()).filter(is_other).map(|it| after(it, None));
     let denied: &[RivalReading] = if pair.task == Task::Objects { &DENIED_RIVALS } else { &[] };
-    let against_denied = denied.iter().flat_map(|rival| {
-        (0..STEPS.len()).map(|step_idx| {
-            let pair = Pair { rival: rival.detector, ..after(step_idx) };
-            seen(&reading(step_idx, Some(rival)), basis(step_idx, Some(rival)), &leads(pair))
-        })
-    });
+    let against_denied = denied.iter().flat_map(|rival| (0..STEPS.len()).map(|it| after(it, Some(rival))));
     against_all.chain(against_denied).collect()
 }
 

@@ -1,7 +1,7 @@
 //! `scanbench reproduce`.
 
-mod choose;
 mod settings_study;
+mod choose;
 mod partial_objects;
 mod observations;
 mod backgrounds;

@@ -12,12 +12,14 @@ use evaluation::run::config::RunConfig;
 use evaluation::run::detector_list::built_in_named;
 use reports::files::fixed_decimals::{fixed_decimals, percent, signed_percent};
 use reports::numbers::rank_correlation::rank_correlation;
+use reports::numbers::tally::Tally;
 use reports::reproduction::judged_claim::Seen;
 use reports::reproduction::steps::Basis;
+use reports::vocabulary::extent::OVERALL;
 use reports::vocabulary::task::Task;
 
 use super::METHOD;
-use super::settings_study::CountedPoints;
+use super::settings_study::FoundAtPoints;
 use crate::plumbing::failure::Failure;
 use crate::plumbing::open_datasets::OpenedDataset;
 
@@ -29,7 +31,7 @@ pub const GOOD_FAITH: &str = "good faith";
 
 pub struct Observations {
     // The method at each of [`CELL_SIZES_M`] from 0.3 to 1.2 m.
-    by_cell_size: CountedPoints,
+    by_cell_size: FoundAtPoints,
     scans: Vec<ObservedScan>,
     pairs: Vec<BoxPair>,
     weights: DensityCurve,
@@ -54,7 +56,9 @@ impl Observations {
             point(config, &names, vec![size_m.to_string(), cells.to_string()])
         };
         let points = swept_sizes_m().map(at_size).collect::<Result<Vec<_>, _>>()?;
-        let by_cell_size = CountedPoints::of(config, &[METHOD], &names, points, datasets, interrupted)?;
+        let points = (names.as_slice(), points);
+        let by_cell_size =
+            FoundAtPoints::of(config, &[METHOD], points, datasets, &Tally::default(), interrupted)?;
         let (mut scans, mut pairs) = (Vec::new(), Vec::new());
         let method = built_in_named(&[METHOD.to_owned()], config)?[0];
         for it in datasets {
@@ -143,9 +147,8 @@ impl Observations {
 
     /// HG Fig. 6 b: the cell size at which the F-rate is greatest; `None` where false detections are not known.
     pub fn peak_of_f_rate(&self, within_m: [f64; 2]) -> Option<Seen> {
-        let all: Vec<usize> = (0..self.by_cell_size.n_datasets()).collect();
         let rate = |(idx, size_m): (usize, f32)| {
-            Some((rounded(size_m), self.by_cell_size.f_rate(&all, idx, 0, Task::Objects)?))
+            Some((rounded(size_m), self.by_cell_size.f_rate(idx, OVERALL, METHOD, Task::Objects)?))
         };
         let rates: Vec<(f64, f64)> = swept_sizes_m().enumerate().map(rate).collect::<Option<_>>()?;
         let best = rates.iter().copied().reduce(|best, it| if it.1 > best.1 { it } else { best })?;

@@ -3,11 +3,13 @@
 use std::sync::atomic::AtomicBool;
 
 use evaluation::reproduction::open_values::{OPEN_VALUES, OpenRange};
-use evaluation::reproduction::settings::{TaskCounts, count, latin_hypercube, plan, point, points_at};
+use evaluation::reproduction::settings::{latin_hypercube, plan, point, points_at, rows_at_points};
 use evaluation::run::config::RunConfig;
 use evaluation::run::detector_list::{ChosenDetector, built_in_named};
 use evaluation::sweep::sweep_plan::SweepPoint;
+use reports::numbers::tally::Tally;
 use reports::reproduction::sensitivity::{Sensitivity, SetRate, SetValue};
+use reports::vocabulary::extent::OVERALL;
 use reports::vocabulary::task::Task;
 use simulator::catalogue::DEFAULT_DATASETS;
 
@@ -27,63 +29,53 @@ const DEVELOPMENT_SEED: u64 = 9001;
 /// The parameter that says how detections are matched.
 const CRITERION: &str = "matching.criterion";
 
-/// Counts of detectors on data sets at points.
-pub struct CountedPoints {
-    /// By data set, point and detector.
-    pub counts: Vec<Vec<Vec<TaskCounts>>>,
-}
+/// What detectors find at points: a tally of each.
+pub struct FoundAtPoints(Vec<Tally>);
 
-impl CountedPoints {
-    /// Counts what `detectors` make of `datasets` at `points` of the parameters `names`.
+impl FoundAtPoints {
+    /// Runs `detectors` on `datasets` at `points` of the parameters `names`, and adds their rows to tallies like `empty`.
     pub fn of(
         config: &RunConfig,
         detectors: &[&str],
-        names: &[&str],
-        points: Vec<SweepPoint>,
+        (names, points): (&[&str], Vec<SweepPoint>),
         datasets: &[OpenedDataset],
+        empty: &Tally,
         interrupted: &AtomicBool,
     ) -> Result<Self, Failure> {
         let chosen: Vec<String> = detectors.iter().map(|it| (*it).to_owned()).collect();
         let chosen = built_in_named(&chosen, config)?.into_iter().map(ChosenDetector::from).collect();
         let plan = plan(config, chosen, names, points);
-        let mut counts = Vec::new();
+        let mut tallies = vec![empty.clone(); plan.points.len()];
         for it in datasets {
             let progress = progress_over_scans(it.scan_indices.len(), &it.dataset.description().id);
-            counts.push(count(&plan, &*it.dataset, &it.scan_indices, interrupted, || progress.inc(1))?);
+            let on_scan = || progress.inc(1);
+            let rows = rows_at_points(&plan, &*it.dataset, &it.scan_indices, interrupted, on_scan)?;
+            for (tally, rows) in tallies.iter_mut().zip(rows) {
+                rows.iter().for_each(|it| tally.add_scan(it));
+            }
             progress.finish_and_clear();
         }
-        Ok(Self { counts })
+        Ok(Self(tallies))
     }
 
-    /// The F-rate at a point on these data sets together; `None` where false detections are not known, or no annotation
-    /// counts.
-    pub fn f_rate(
-        &self,
-        dataset_idxs: &[usize],
-        point_idx: usize,
-        detector_idx: usize,
-        task: Task,
-    ) -> Option<f64> {
-        let task_idx = Task::ALL.iter().position(|it| *it == task)?;
-        let of_datasets = dataset_idxs.iter().map(|it| self.counts[*it][point_idx][detector_idx][task_idx]);
-        let sum = of_datasets.reduce(|mut sum, it| {
-            sum += it;
-            sum
-        });
-        sum.filter(|it| it.no() > 0)?.f_rate()
+    /// The tally of each point.
+    pub fn tallies(&self) -> &[Tally] {
+        &self.0
     }
 
-    pub fn n_datasets(&self) -> usize {
-        self.counts.len()
+    /// The F-rate at a point on `extent`, a data set or several; `None` where false detections are not known, or no
+    /// annotation counts.
+    pub fn f_rate(&self, point_idx: usize, extent: &str, detector: &str, task: Task) -> Option<f64> {
+        self.0[point_idx].counts(extent, task, detector).filter(|it| it.no() > 0)?.f_rate()
     }
 }
 
 /// All settings, with their rates.
 pub struct SettingsStudy {
     pub sensitivity: Sensitivity,
-    methods: CountedPoints,
+    methods: FoundAtPoints,
     // At each criterion.
-    rivals: CountedPoints,
+    rivals: FoundAtPoints,
     criterion_of_setting: Vec<usize>,
 }
 
@@ -150,30 +142,23 @@ impl SettingsStudy {
         let drawn = latin_hypercube(OPEN_VALUES.len(), n, arguments.settings_seed);
         let points = points_at(&config, &OPEN_VALUES, &drawn)?;
         let settings: Vec<Vec<String>> = points.iter().map(|it| it.values.clone()).collect();
-        let methods = CountedPoints::of(&config, &[METHOD], &names, points, &datasets, interrupted)?;
-        let rivals = RIVALS.map(|it| it.0);
-        let rivals = CountedPoints::of(
-            &config,
-            &rivals,
-            &[CRITERION],
-            points_by_criterion(&config)?,
-            &datasets,
-            interrupted,
-        )?;
+        let found = |detectors: &[&str], points: (&[&str], Vec<SweepPoint>)| {
+            FoundAtPoints::of(&config, detectors, points, &datasets, &Tally::default(), interrupted)
+        };
+        let methods = found(&[METHOD], (&names, points))?;
+        let rivals = found(&RIVALS.map(|it| it.0), (&[CRITERION], points_by_criterion(&config)?))?;
         let index = names.iter().position(|it| *it == CRITERION).expect("it is one of them");
         let criterion_of =
             |it: &Vec<String>| criteria().iter().position(|word| *word == it[index]).unwrap_or(0);
         let criterion_of_setting: Vec<usize> = settings.iter().map(criterion_of).collect();
-        // All are simulated.
-        let all: Vec<usize> = (0..methods.n_datasets()).collect();
-        let rate = |(rival_idx, (rival, task)): (usize, &(&str, Task))| SetRate {
+        let rate = |(rival, task): &(&str, Task)| SetRate {
             name: format!("{task}, F-rate"),
             method: METHOD.to_owned(),
-            of_method: (0..n).map(|it| methods.f_rate(&all, it, 0, *task)).collect(),
+            of_method: (0..n).map(|it| methods.f_rate(it, OVERALL, METHOD, *task)).collect(),
             rival: (*rival).to_owned(),
             of_rival: criterion_of_setting
                 .iter()
-                .map(|&it| rivals.f_rate(&all, it, rival_idx, *task))
+                .map(|&it| rivals.f_rate(it, OVERALL, rival, *task))
                 .collect(),
         };
         let values = OPEN_VALUES.iter().map(|it| SetValue {
@@ -185,7 +170,7 @@ impl SettingsStudy {
         let sensitivity = Sensitivity {
             values: values.collect(),
             settings,
-            rates: RIVALS.iter().enumerate().map(rate).collect(),
+            rates: RIVALS.iter().map(rate).collect(),
             seed: arguments.settings_seed,
             scans: format!("simulated streets for development (seeds from {DEVELOPMENT_SEED})"),
         };
@@ -195,15 +180,13 @@ impl SettingsStudy {
     /// Under how many settings the method leads the rival of the task, and of how many: on each data set, or on all
     /// together.
     pub fn n_leading(&self, task: Task, on_each: bool) -> Option<[usize; 2]> {
-        let rival_idx = RIVALS.iter().position(|it| it.1 == task)?;
-        let all = 0..self.methods.n_datasets();
-        let scenes: Vec<Vec<usize>> =
-            if on_each { all.map(|it| vec![it]).collect() } else { vec![all.collect()] };
+        let (rival, _) = RIVALS.iter().find(|it| it.1 == task)?;
+        let datasets = self.methods.tallies().first()?.datasets();
+        let scenes = if on_each { datasets } else { &[OVERALL.to_owned()] };
         let leads = |setting_idx: usize| {
             scenes.iter().all(|scene| {
-                let method = self.methods.f_rate(scene, setting_idx, 0, task);
-                let rival =
-                    self.rivals.f_rate(scene, self.criterion_of_setting[setting_idx], rival_idx, task);
+                let method = self.methods.f_rate(setting_idx, scene, METHOD, task);
+                let rival = self.rivals.f_rate(self.criterion_of_setting[setting_idx], scene, rival, task);
                 method.zip(rival).is_some_and(|(method, rival)| method > rival)
             })
         };
