@@ -28,6 +28,8 @@ def main() -> int:
     parser.add_argument("-c", dest="config", type=Path)
     parser.add_argument("-P", dest="parameters", action="append", default=[])
     given, others = parser.parse_known_args()
+    project = os.environ.get("SCANBENCH_PROJECT")
+    given.config = given.config or project and Path(project)
     config = tomllib.loads(given.config.read_text()) if given.config else {}
     found = {}
     points = np.repeat(np.arange(100, dtype=np.float32)[:, None], 4, axis=1)
@@ -44,7 +46,14 @@ def main() -> int:
             print(f"error: detector {name}: {failure}", file=sys.stderr)
             return 6
     shutil.copytree(os.environ["FAKE_RUN"], given.output)
-    call = {"argv": sys.argv[1:], "others": others, "config": config, "found": found, "cwd": os.getcwd()}
+    call = {
+        "argv": sys.argv[1:],
+        "others": others,
+        "config": config,
+        "found": found,
+        "cwd": os.getcwd(),
+        "project": project,
+    }
     (given.output / "call.json").write_text(json.dumps(call, default=str))
     print("printed")
     return 0

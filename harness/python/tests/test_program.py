@@ -106,6 +106,19 @@ def test_functions_are_rows_beside_a_detector_of_the_program(tmp_path: Path) -> 
 
 
 @needs_processes
+def test_a_project_may_name_models_that_no_function_reads(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    shipped = str(Path(__file__).parents[3] / "detector/src/params")
+    (tmp_path / "scanbench.toml").write_text(f'[vehicle_model]\ngroupings_directory = "{shipped}"\n')
+    monkeypatch.chdir(tmp_path)
+    run = scanbench.run("street-narrow", [detectors.squares], output="run", **TINY)
+    assert run.manifest["config"]["vehicle_model"]["groupings_directory"] == shipped
+    # The file of a run alone may not, as on the command line.
+    with pytest.raises(ScanbenchError, match="no chosen detector reads it") as failure:
+        scanbench.run("street-narrow", [detectors.squares], config="scanbench.toml", output="refused", **TINY)
+    assert failure.value.exit_code == 2
+
+
+@needs_processes
 def test_a_function_that_fails_ends_the_run_or_is_skipped(tmp_path: Path) -> None:
     wrong = detectors.wrong.using(how="short")
     with pytest.raises(ScanbenchError, match=r"labels are of shape") as failure:

@@ -130,6 +130,7 @@ def test_output_several_data_sets_and_a_configuration_of_ones_own(program: Path,
     call = call_of(run)
     assert run.path == tmp_path / "out" and call["argv"][1:3] == ["a", "b"]
     assert set(call["config"]["detector"]) == {"mine", "squares"}
+    assert "-c" in call["argv"] and call["project"] is None
     assert [path.name for path in own.parent.iterdir()] == ["scanbench.toml"]
 
 
@@ -141,6 +142,8 @@ def test_the_configuration_of_the_folder_is_found(
     monkeypatch.chdir(tmp_path / "below")
     call = call_of(scanbench.run("a", [detectors.squares]))
     assert set(call["config"]["detector"]) == {"mine", "squares"}
+    # As the file that the program finds, which may name models that no detector of the run reads; `-c` may not.
+    assert "-c" not in call["argv"] and Path(call["project"]).parent == tmp_path
     assert [path.name for path in tmp_path.glob("*.toml")] == ["scanbench.toml"]
 
 

@@ -45,12 +45,16 @@ def find_program() -> Path:
     raise ScanbenchError("there is no program scanbench: install the wheel, or set SCANBENCH to where it is")
 
 
-def call(arguments: Sequence[str], *, quiet: bool, given: bytes | None = None) -> str:
-    """Runs the program on what it is `given` and returns what it printed; raises ScanbenchError with its last lines if it fails."""
+def call(arguments: Sequence[str], *, quiet: bool, given: bytes | None = None, project: Path | None = None) -> str:
+    """Runs the program on what it is `given` and returns what it printed; raises ScanbenchError with its last lines if it fails.
+
+    `project` stands for the scanbench.toml that it would find.
+    """
     command = [str(find_program()), *arguments]
     # It reads the caller's own input unless it is given some.
     stdin = None if given is None else subprocess.PIPE
-    process = subprocess.Popen(command, stdin=stdin, stdout=subprocess.PIPE, stderr=subprocess.PIPE)
+    environment = {**os.environ, "SCANBENCH_PROJECT": str(project)} if project else None
+    process = subprocess.Popen(command, stdin=stdin, stdout=subprocess.PIPE, stderr=subprocess.PIPE, env=environment)
     with process:
         try:
             printed, said = (text.decode(errors="replace") for text in process.communicate(given))

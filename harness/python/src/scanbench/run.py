@@ -116,8 +116,12 @@ def run(
         "sandbox": sandbox,
         "vehicles": vehicles,
     }
-    with _configuration(made, Path(config) if config is not None else None, settings) as written:
-        call([*arguments, *(["-c", str(written)] if written else [])], quiet=quiet)
+    found = _found_configuration() if made and config is None else None
+    with _configuration(made, Path(config) if config is not None else found, settings) as written:
+        if found:
+            call(arguments, quiet=quiet, project=written)
+        else:
+            call([*arguments, *(["-c", str(written)] if written else [])], quiet=quiet)
     return Run.open(directory)
 
 
@@ -139,7 +143,6 @@ def _configuration(
     if not detectors:
         yield config
         return
-    config = config or _found_configuration()
     with tempfile.TemporaryDirectory(prefix="scanbench-") as scratch:
         sections = [section(detector, Path(scratch), settings) for detector in detectors]
         if config is None:
