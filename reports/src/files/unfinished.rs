@@ -30,6 +30,8 @@ struct Entry {
 pub enum Kind {
     /// A file.
     File,
+    /// A file in memory that another program maps, and no part of a result.
+    Memory,
     /// A folder with its content.
     Folder,
     /// A folder if it is empty.
@@ -81,6 +83,11 @@ fn lock() -> MutexGuard<'static, Vec<Entry>> {
     UNFINISHED.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
+/// Paths of all parts of results that are unfinished.
+pub fn unfinished_results() -> Vec<PathBuf> {
+    lock().iter().filter(|it| it.kind != Kind::Memory).map(|it| it.path.clone()).collect()
+}
+
 /// Removes everything unfinished, the latest first. From then on nothing can be begun or finished: a thread that tries
 /// waits for the end of the program.
 pub fn remove_for_good() {
@@ -111,7 +118,7 @@ impl Entry {
     /// Removes the entry. Errors are not reported: the program is about to end.
     fn remove(&self) {
         match self.kind {
-            Kind::File => {
+            Kind::File | Kind::Memory => {
                 let _ = std::fs::remove_file(&self.path);
             }
             Kind::EmptyFolder => {
@@ -141,6 +148,16 @@ mod tests {
     /// Whether something at `path` would be removed.
     fn is_registered(path: &Path) -> bool {
         lock().iter().any(|it| it.path == path)
+    }
+
+    #[test]
+    fn shared_memory_is_no_result() {
+        let begin = |kind, path: &str| Unfinished::begin(kind, || Ok(()), |()| path.into()).unwrap().0;
+        let [points, out] = ["/nowhere/points", "/nowhere/out"];
+        let _begun = [begin(Kind::Memory, points), begin(Kind::File, out)];
+        let results = unfinished_results();
+        assert!(results.contains(&out.into()) && !results.contains(&points.into()), "{results:?}");
+        assert!(is_registered(Path::new(points)));
     }
 
     #[test]

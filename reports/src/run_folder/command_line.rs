@@ -1,5 +1,8 @@
 //! The command line of a run, for a shell.
 
+/// The option that keeps network and labels from programs.
+const SANDBOX: &str = "--sandbox";
+
 /// The command that makes the result of the command line `argv` again, and leaves it in `output`.
 ///
 /// Arguments that say where the first result was left are dropped.
@@ -41,7 +44,7 @@ pub fn command_of_whole_run(argv: &[String], output: &str) -> Vec<String> {
 }
 
 /// The command of a run with the detectors `names`: `argv` made it with some of them, and `added` made the others. Results of
-/// other programs come after `--detections` in either command.
+/// other programs come after `--detections` in either command. The walls of one are around all.
 pub fn joined_command(argv: &[String], names: &[&str], added: &[String]) -> Vec<String> {
     let (mut words, mut results) = without_detectors(argv);
     results.extend(without_detectors(added).1);
@@ -52,6 +55,10 @@ pub fn joined_command(argv: &[String], names: &[&str], added: &[String]) -> Vec<
         options.extend(["-d".to_owned(), listed.join(",")]);
     }
     options.extend(results.into_iter().flat_map(|it| ["--detections".to_owned(), it]));
+    let is_walled_in = |words: &[String]| words.iter().take_while(|it| *it != "--").any(|it| it == SANDBOX);
+    if is_walled_in(added) && !is_walled_in(argv) {
+        options.push(SANDBOX.to_owned());
+    }
     // Behind `--` all words are data sets.
     let place = words.iter().position(|it| it == "--").unwrap_or(words.len());
     words.splice(place..place, options);
@@ -122,6 +129,8 @@ mod tests {
             ("s run x", "s run x -d b", "a,b", "s run x -d a,b"),
             ("s run -d=a x -o r", "s run x -o q -db,c", "a,b,c", "s run x -o r -d a,b,c"),
             ("s run --detectors a -- x", "s run -d b -- x", "a,b", "s run -d a,b -- x"),
+            ("s run x -d a", "s run -d b --sandbox", "a,b", "s run x -d a,b --sandbox"),
+            ("s run x --sandbox", "s run -d b --sandbox", "a,b", "s run x --sandbox -d a,b"),
             (
                 "s run x -d a --detections net=n",
                 "s run x --detections=other=o",

@@ -7,6 +7,7 @@ use std::process::{Child, Command, ExitStatus, Stdio};
 use std::sync::atomic::{AtomicU32, Ordering};
 use std::time::{Duration, Instant, UNIX_EPOCH};
 
+use reports::files::unfinished::unfinished_results;
 use rustix::process::{Pid, Signal};
 
 use scans::dataset::class_table::ClassTable;
@@ -35,7 +36,7 @@ pub struct StartedProgram {
     pub command: Vec<String>,
     /// Its working folder.
     pub folder: PathBuf,
-    /// Files and folders that it must not see, and without network; `None` if it may see all.
+    /// Files and folders that it must not see, beside unfinished results, and without network; `None` if it may see all.
     pub hidden: Option<Vec<PathBuf>>,
     /// How many threads it should use at most.
     pub threads: u32,
@@ -71,11 +72,12 @@ impl StartedProgram {
         let (from, theirs_to_write) = rustix::pipe::pipe_with(rustix::pipe::PipeFlags::CLOEXEC)?;
         let mut command = Command::new(std::env::current_exe()?);
         command.arg(SUPERVISE);
-        for path in self.hidden.iter().flatten() {
-            command.arg("--hide").arg(std::path::absolute(path)?);
-        }
-        if self.hidden.is_some() {
+        if let Some(hidden) = &self.hidden {
             command.arg("--sandbox");
+            // Results in the making have labels as well.
+            for path in hidden.iter().chain(&unfinished_results()) {
+                command.arg("--hide").arg(std::path::absolute(path)?);
+            }
         }
         command.arg("--").args(&self.command).current_dir(&self.folder);
         command.env("SCANBENCH_PROTOCOL", PROTOCOLS[0].to_string());

@@ -3,22 +3,25 @@
 //! They keep it from reading labels. They are no protection from a program that wants to do harm: it still has the rights of
 //! the user on everything that is not hidden.
 
+use std::fmt::Display;
 use std::io;
 use std::path::{Path, PathBuf};
 
-use nix::errno::Errno;
 use nix::mount::{MsFlags, mount};
 use nix::sched::{CloneFlags, unshare};
 use nix::unistd::{getgid, getuid};
 
-/// Walls in this process and those that it will start: no network, and nothing at the paths `hidden`, of which those that do
-/// not exist are passed over. The process must have a single thread.
+/// Links are looked for in a hidden folder and so many levels below it: data sets have their folders of labels there.
+const LEVELS_BELOW: usize = 2;
+
+/// Walls in this process and those that it will start: no network, and nothing at the paths `hidden` and where links in them
+/// lead. Paths that do not exist are passed over. The process must have a single thread.
 ///
 /// # Errors
 ///
 /// If the system does not let its users build walls, or if the working directory would be behind one.
 pub fn wall_in(hidden: &[PathBuf]) -> io::Result<()> {
-    let hidden = outermost(hidden);
+    let hidden = outermost(&with_links(hidden));
     let folder = std::env::current_dir()?;
     if let Some(path) = hidden.iter().find(|it| folder.starts_with(it)) {
         return Err(io::Error::other(format!(
@@ -29,7 +32,7 @@ pub fn wall_in(hidden: &[PathBuf]) -> io::Result<()> {
     }
     let of_users = Users::own();
     unshare(CloneFlags::CLONE_NEWUSER | CloneFlags::CLONE_NEWNS | CloneFlags::CLONE_NEWNET)
-        .map_err(|it| refused("namespaces", it))?;
+        .map_err(|it| refused("namespaces", it.desc()))?;
     of_users.keep()?;
     // What is hidden here stays in sight of all others.
     place(None, Path::new("/"), None, MsFlags::MS_REC | MsFlags::MS_PRIVATE)?;
@@ -42,8 +45,28 @@ pub fn wall_in(hidden: &[PathBuf]) -> io::Result<()> {
         }
     }
     // What other users placed cannot be removed. From now on, that is who we were.
-    unshare(CloneFlags::CLONE_NEWUSER | CloneFlags::CLONE_NEWNS).map_err(|it| refused("namespaces", it))?;
+    unshare(CloneFlags::CLONE_NEWUSER | CloneFlags::CLONE_NEWNS)
+        .map_err(|it| refused("namespaces", it.desc()))?;
     of_users.keep()
+}
+
+/// `paths`, and the links in those that are folders.
+fn with_links(paths: &[PathBuf]) -> Vec<PathBuf> {
+    let (mut all, mut folders) = (paths.to_vec(), paths.to_vec());
+    for _ in 0..=LEVELS_BELOW {
+        let entries = folders.iter().filter_map(|it| it.read_dir().ok()).flatten().flatten();
+        let mut inner = Vec::new();
+        for (entry, kind) in entries.filter_map(|it| Some((it.path(), it.file_type().ok()?))) {
+            if kind.is_symlink() {
+                all.push(entry.clone());
+            }
+            if kind.is_dir() || (kind.is_symlink() && entry.is_dir()) {
+                inner.push(entry);
+            }
+        }
+        folders = inner;
+    }
+    all
 }
 
 /// Those of `paths` that exist, in full, without those inside others.
@@ -61,12 +84,12 @@ fn outermost(paths: &[PathBuf]) -> Vec<PathBuf> {
 }
 
 fn place(what: Option<&str>, path: &Path, kind: Option<&str>, flags: MsFlags) -> io::Result<()> {
-    let refused = |it| refused(&format!("hiding {}", path.display()), it);
-    mount(what, path, kind, flags, None::<&str>).map_err(refused)
+    mount(what, path, kind, flags, None::<&str>)
+        .map_err(|it| refused(&format!("hiding {}", path.display()), it.desc()))
 }
 
-fn refused(what: &str, errno: Errno) -> io::Error {
-    io::Error::other(format!("this system lets its users build no sandbox ({what}: {})", errno.desc()))
+fn refused(what: &str, why: impl Display) -> io::Error {
+    io::Error::other(format!("this system lets its users build no sandbox ({what}: {why})"))
 }
 
 /// User and group of this process.
@@ -83,9 +106,10 @@ impl Users {
 
     /// Keeps user and group in a namespace that this process has just entered.
     fn keep(&self) -> io::Result<()> {
-        std::fs::write("/proc/self/setgroups", "deny")?;
-        std::fs::write("/proc/self/uid_map", &self.uid)?;
-        std::fs::write("/proc/self/gid_map", &self.gid)
+        for (file, content) in [("setgroups", "deny"), ("uid_map", &self.uid), ("gid_map", &self.gid)] {
+            std::fs::write(format!("/proc/self/{file}"), content).map_err(|it| refused(file, it))?;
+        }
+        Ok(())
     }
 }
 
@@ -102,5 +126,33 @@ mod tests {
         }
         let given = ["data/street", "other", "missing", "data-2", "data"].map(path);
         assert_eq!(outermost(&given), ["data", "data-2", "other"].map(path));
+    }
+
+    #[test]
+    fn links_in_folders_are_hidden_where_they_lead() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = |name: &str| folder.path().canonicalize().unwrap().join(name);
+        for name in ["data/sequences/00", "a/deep", "b", "c"] {
+            std::fs::create_dir_all(path(name)).unwrap();
+        }
+        std::fs::write(path("file"), "").unwrap();
+        for (link, to) in [
+            ("data/training", "a/deep"),
+            ("data/sequences/00/labels", "b"),
+            ("a/deep/0000.txt", "file"),
+            ("data/again", "data"),
+            ("data/nowhere", "nowhere"),
+        ] {
+            std::os::unix::fs::symlink(path(to), path(link)).unwrap();
+        }
+        let hidden = outermost(&with_links(&[path("data")]));
+        assert_eq!(hidden, ["a/deep", "b", "data", "file"].map(path));
+    }
+
+    #[test]
+    fn a_system_that_does_not_take_users_is_said_to_build_no_sandbox() {
+        // Outside of a namespace of its own, nobody may say who its users are.
+        let error = Users::own().keep().unwrap_err().to_string();
+        assert!(error.starts_with("this system lets its users build no sandbox ("), "{error}");
     }
 }

@@ -51,7 +51,7 @@ impl SharedCloud {
                 .map_err(|it| it.error)
         };
         let (entry, (file, path)) =
-            Unfinished::begin(Kind::File, create, |(_, path)| path.clone()).map_err(about_memory)?;
+            Unfinished::begin(Kind::Memory, create, |(_, path)| path.clone()).map_err(about_memory)?;
         let n_bytes = MOST_COLUMNS * column_bytes(max_points);
         let shared = Self { file, max_points, name: Some((path, entry)), bytes: Vec::new(), end: 0 };
         shared.file.set_len(n_bytes.max(1) as u64).map_err(about_memory)?;

@@ -67,13 +67,13 @@ Exit codes:
   0    passed: nothing is worse; no result changed, or changes are allowed
   2    the tolerances are wrong; all problems are reported together
   5    the runs cannot be compared, or a number is missing
-  100  a number is worse than tolerated, with its whole 95 % interval
+  100  a number is worse than tolerated, with its whole 95 % interval, or worse
+       than in the run of --since
   101  nothing is worse, but results changed; --allow-drift, or drift = \"warn\"
        in the tolerances, lets that pass
 
-With fewer than ten blocks of scans, nothing can be shown to be worse. Times
-are compared only between runs on the same processor; make both with
---repeats 5. On GitHub, the verdict is added to the summary of the job.";
+With fewer than ten blocks of scans, nothing can be shown to be worse. Times are
+compared on one processor; use --repeats 5. GitHub's summary has the verdict.";
 
 /// The verbs of `scanbench baseline`.
 #[derive(Debug, Subcommand)]

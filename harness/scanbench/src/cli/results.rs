@@ -24,7 +24,9 @@ pub struct ForeignArgs {
     /// Keep network, data sets and runs from programs of scanbench.toml
     ///
     /// For detectors that you do not trust with the labels. `sandbox = true` does so for one, in every command. It needs a
-    /// Linux that lets its users make namespaces. Runs are hidden in `runs/` and at --output alone.
+    /// Linux that lets its users make namespaces. Data sets, with what links in them lead to, are hidden, and around a single
+    /// scan its folder. Runs are hidden in `runs/`, at --output and --add-to, and while they are made. Labels elsewhere are
+    /// not.
     #[arg(long, hide_short_help = true)]
     pub sandbox: bool,
     /// What to do if --detections have no result for a scan

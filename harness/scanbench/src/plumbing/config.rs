@@ -1,7 +1,7 @@
 //! Detectors and parameters that the command line names.
 
 use std::collections::BTreeSet;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use detector::params::PAPER_SENSOR;
 use evaluation::matching::criterion::Criterion;
@@ -9,6 +9,7 @@ use evaluation::run::config::{RunConfig, TrainedModel};
 use evaluation::run::detector_list::{ChosenDetector, ListedDetector, built_in_named, detectors_named};
 use evaluation::run::foreign_detector::{ForeignDetector, ForeignWork, VehicleRule};
 use evaluation::run::kept_names::kept;
+use reports::run_folder::run_target::RUNS;
 use scans::dataset::DatasetDescription;
 use scans::dataset::class_table::ClassTable;
 
@@ -18,6 +19,10 @@ use crate::plumbing::standard_streams::{print_detail, print_diagnostic};
 
 /// The file that defines detectors and parameters, in the working directory or one above it.
 pub const CONFIGURATION_FILE: &str = "scanbench.toml";
+
+/// Variable of the environment with the file that stands for the nearest [`CONFIGURATION_FILE`]: a copy of it that Python has
+/// added detectors to.
+const PROJECT: &str = "SCANBENCH_PROJECT";
 
 /// The detectors with these names, and the shipped parameters, overridden by the file and then by the options of
 /// `arguments`. Short names of options are those of parameters of these detectors.
@@ -114,13 +119,29 @@ fn choose(
     let mut chosen = detectors_named(names, config)?;
     let tables: Vec<String> = chosen.iter().map(ChosenDetector::table).collect();
     let tables: Vec<&str> = tables.iter().map(String::as_str).collect();
-    let config = config.overridden(&arguments.parameters, &tables)?;
+    let mut config = config.overridden(&arguments.parameters, &tables)?;
+    config.places_of_labels.push(RUNS.into());
     for it in &mut chosen {
         if let ChosenDetector::Foreign(foreign) = it {
             *foreign = foreign.clone().identified(&config)?;
         }
     }
     Ok((chosen, config))
+}
+
+/// Keeps network and labels from `detector`, whatever its configuration says; returns whether it is a program.
+pub fn wall_in(detector: &mut ChosenDetector) -> bool {
+    let ChosenDetector::Foreign(ForeignDetector { work: ForeignWork::Process(process), .. }) = detector
+    else {
+        return false;
+    };
+    process.sandbox = true;
+    true
+}
+
+/// Hides the run at `directory`, and what is finished of one, from detectors that must not see labels.
+pub fn hide_run(directory: &Path, config: &mut RunConfig) {
+    config.places_of_labels.extend([directory.to_owned(), directory.with_added_extension("unfinished")]);
 }
 
 /// As [`chosen_detectors`], for built-in detectors alone.
@@ -178,8 +199,11 @@ pub fn classes_of_project() -> Result<ClassTable, Failure> {
     Ok(found.map(|it| RunConfig::classes_in(&it)).transpose()?.unwrap_or_default())
 }
 
-/// The nearest [`CONFIGURATION_FILE`] in the working directory or above it.
+/// The nearest [`CONFIGURATION_FILE`] in the working directory or above it, or what stands for it.
 fn configuration_file() -> Option<PathBuf> {
+    if let Some(copy) = std::env::var_os(PROJECT).filter(|it| !it.is_empty()) {
+        return Some(copy.into());
+    }
     let folder = std::env::current_dir().ok()?;
     folder.ancestors().map(|it| it.join(CONFIGURATION_FILE)).find(|it| it.is_file())
 }

@@ -9,7 +9,6 @@ use detector::grid::ring_density::RingCounts;
 use evaluation::run::config::RunConfig;
 use nalgebra::Isometry3;
 use reports::run_folder::manifest::SeenMounting;
-use reports::run_folder::run_target::RUNS;
 use reports::run_folder::seen_labels::SeenLabels;
 use scans::annotation::LabeledScan;
 use scans::data_check::empty_boxes::EmptyBoxes;
@@ -61,7 +60,7 @@ pub fn look_first(opened: OpenedDataset, config: &mut RunConfig) -> OpenedDatase
 }
 
 fn hide_labels_of(description: &DatasetDescription, config: &mut RunConfig) {
-    config.places_of_labels.extend(description.root.clone().into_iter().chain([RUNS.into()]));
+    config.places_of_labels.extend(description.root.clone());
 }
 
 fn look_at_scans(opened: OpenedDataset, config: &mut RunConfig) -> OpenedDataset {
@@ -94,6 +93,7 @@ pub fn look_first_at_all(opened: Vec<OpenedDataset>, config: &mut RunConfig) -> 
 /// As [`look_first`], for a single scan without labels.
 pub fn look_at_scan(opened: &mut OpenedScan, stated: Stated, config: &mut RunConfig) {
     hide_labels_of(&opened.description, config);
+    config.places_of_labels.append(&mut opened.folders_around);
     let clouds: Vec<&PointCloud> = match &opened.of_data_set[..] {
         [] => vec![&opened.scan.cloud],
         of_data_set => of_data_set.iter().collect(),

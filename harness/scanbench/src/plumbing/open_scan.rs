@@ -1,11 +1,12 @@
 //! The single scan that the command line names.
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use detector::PointCloud;
 use detector::grid::density_curve::DensityCurve;
 use scans::annotation::{LabeledArea, LabeledScan, PointRegion, ScanId};
 use scans::dataset::class_table::ClassTable;
+use scans::dataset::detect_format::folders_around;
 use scans::dataset::kitti::split_folder::{KITTI_SENSOR, KITTI_SENSOR_HEIGHT_M};
 use scans::dataset::mcap::mcap_dataset::is_mcap;
 use scans::dataset::point_columns::PointColumns;
@@ -33,6 +34,8 @@ pub struct OpenedScan {
     pub stated: Stated,
     /// Points of the first scans of its data set; none for a file, nor for a simulated sensor that has a curve.
     pub of_data_set: Vec<PointCloud>,
+    /// Folders in which its labels may lie, if it is a file.
+    pub folders_around: Vec<PathBuf>,
 }
 
 /// Opens the scan in the file `input`, or scan `id` of the data set `input`; `of_config` are the names of classes in the
@@ -43,6 +46,9 @@ pub fn open_scan(
     source: &SourceArgs,
     of_config: &ClassTable,
 ) -> Result<OpenedScan, Failure> {
+    if source.labels_ahead.is_some() {
+        return Err(Usage("--labels-ahead is for labels, and none are read".to_owned()).into());
+    }
     let catalogue = open_catalogue(source.catalogue.catalogue.as_deref())?;
     let input = &*local_name(input, source.cache.as_deref())?;
     let path = Path::new(input);
@@ -86,7 +92,8 @@ pub fn open_scan(
         let clouds = indices.filter_map(|it| dataset.read_scan(it).ok()).map(|it| it.cloud);
         clouds.filter(|it| !it.is_empty()).collect()
     };
-    Ok(OpenedScan { name, scan, description: description.clone(), stated, of_data_set })
+    let (description, folders_around) = (description.clone(), Vec::new());
+    Ok(OpenedScan { name, scan, description, stated, of_data_set, folders_around })
 }
 
 fn open_file(input: &str, id: Option<&str>, source: &SourceArgs) -> Result<OpenedScan, Failure> {
@@ -126,7 +133,8 @@ fn open_file(input: &str, id: Option<&str>, source: &SourceArgs) -> Result<Opene
     mounting.describe(&mut description);
     mounting.move_scan(&mut scan);
     let stated = Stated::by_options(source);
-    Ok(OpenedScan { name: input.to_owned(), scan, description, stated, of_data_set: Vec::new() })
+    let (name, of_data_set, folders_around) = (input.to_owned(), Vec::new(), folders_around(path));
+    Ok(OpenedScan { name, scan, description, stated, of_data_set, folders_around })
 }
 
 /// The index among `scan_ids` of the scan that is called `id`, by its drive and number or by its number alone.

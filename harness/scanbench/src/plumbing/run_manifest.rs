@@ -105,7 +105,9 @@ pub fn detector_entry(compared_detector: &ComparedDetector) -> DetectorEntry {
     let rules = rules.iter().map(ToString::to_string).collect();
     let vehicles = Some(chosen.vehicles_in_words(config));
     let (name, models) = ((*name).to_owned(), models(chosen, config));
-    DetectorEntry { name, parameters, rules, vehicles, models, doubts: Vec::new(), foreign: None }
+    let scoring_version = Some(scoring_version(criteria_of(config), false));
+    let (doubts, foreign) = (Vec::new(), None);
+    DetectorEntry { name, parameters, rules, vehicles, models, doubts, scoring_version, foreign }
 }
 
 /// Checksums of the models of `chosen` that did not come with the program, by the names of their files.
@@ -150,6 +152,7 @@ fn foreign_entry(name: &str, foreign: &ForeignDetector, config: &RunConfig) -> D
         vehicles: Some(chosen.vehicles_in_words(config)),
         models: models(&chosen, config),
         doubts: Vec::new(),
+        scoring_version: Some(scoring_version(criteria_of(config), true)),
         foreign: Some(entry),
     }
 }

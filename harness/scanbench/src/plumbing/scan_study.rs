@@ -14,8 +14,8 @@ use reports::run_folder::manifest::Manifest;
 use reports::run_folder::run_directory::RunDirectory;
 use serde_json::Value;
 
-use crate::cli::{ExperimentArgs, StreamArgs};
-use crate::plumbing::config::chosen_detectors;
+use crate::cli::{ExperimentArgs, OutputArgs, StreamArgs};
+use crate::plumbing::config::{chosen_detectors, hide_run};
 use crate::plumbing::failure::Failure;
 use crate::plumbing::open_datasets::OpenedDataset;
 use crate::plumbing::progress::RunProgress;
@@ -82,15 +82,18 @@ pub struct StagedScenes {
 }
 
 impl ScanStudy<'_> {
-    /// A study of simulated scans that are still to be put up, by the detectors that `arguments` name, or else `detectors`.
+    /// A study of simulated scans that are still to be put up, by the detectors that `arguments` name, or else `detectors`;
+    /// its result goes to `output`.
     pub fn of_simulated_scans(
         arguments: &ExperimentArgs,
         detectors: &[&str],
+        output: &OutputArgs,
         started: Timestamp,
     ) -> Result<Self, Failure> {
         let unnamed: Vec<String> = detectors.iter().map(|&it| it.to_owned()).collect();
         let names = if arguments.detectors.is_empty() { &unnamed } else { &arguments.detectors };
-        let (chosen, config) = chosen_detectors(&arguments.config, names)?;
+        let (chosen, mut config) = chosen_detectors(&arguments.config, names)?;
+        output.output.iter().for_each(|it| hide_run(it, &mut config));
         Ok(Self {
             compared_detectors: chosen.into_iter().map(|it| ComparedDetector::of(it, &config)).collect(),
             config,

@@ -70,7 +70,8 @@ pub fn gaps(arguments: &GapsArgs) -> Result<(), Failure> {
     say_that_none_is_written(&arguments.recording, "gaps");
     let sensor = sensor_named(&arguments.sensor)?;
     let output = WorkOutput::claim(Study::Gaps, None, &arguments.output)?;
-    let mut study = ScanStudy::of_simulated_scans(&arguments.detectors, &DETECTORS, output.started)?;
+    let (started, named) = (output.started, &arguments.output);
+    let mut study = ScanStudy::of_simulated_scans(&arguments.detectors, &DETECTORS, named, started)?;
     let pairs = StagedPairs::new(&arguments.sensor, sensor, arguments.pairs, arguments.detectors.seed);
     let tally = RefCell::new(PairTally::new(pairs.stagings(), study.config.matching));
     study.datasets = vec![OpenedDataset::whole(Box::new(pairs.clone()))];

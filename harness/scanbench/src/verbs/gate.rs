@@ -3,7 +3,6 @@
 use std::path::Path;
 
 use reports::files::whole_set::WholeSet;
-use reports::history::since::Since;
 use reports::run_folder::command_line::shell_word;
 use reports::run_folder::run_archive::RunArchive;
 use reports::tables::formats::format::Format as _;
@@ -20,7 +19,7 @@ use reports::verdicts::verdict::{JudgeError, Verdict, judge_with_streams};
 use crate::cli::GateArgs;
 use crate::plumbing::failure::{Failure, GateClosed, Usage};
 use crate::plumbing::open_run::open_run;
-use crate::plumbing::standard_streams::{print_diagnostic, print_text, terminal};
+use crate::plumbing::standard_streams::{print_diagnostic, print_error, print_text, terminal};
 use crate::plumbing::step_summary::append_to_step_summary;
 use crate::plumbing::streams::gated_streams;
 use crate::verbs::history::add_to_history;
@@ -41,21 +40,35 @@ pub fn gate(arguments: &GateArgs) -> Result<(), Failure> {
         print_diagnostic(format_args!("{}", about_a_new_baseline(arguments)));
     }
     let mut verdict = judged?;
-    let history = arguments.history.as_ref();
-    let history =
-        history.map(|it| add_to_history(it, &run, &arguments.run, arguments.link.as_deref())).transpose()?;
-    let since = arguments.since.as_ref().zip(history);
-    let since = since.map(|(wanted, it)| it.since(wanted, &run.manifest.created, &tolerances)).transpose()?;
-    verdict.since = since.as_ref().map(Since::in_words);
+    let remembered = remember(arguments, &run, &mut verdict);
+    if let Err(problem) = &remembered {
+        verdict.doubts.push(format!("History: {problem}."));
+    }
     if let Some(output) = &arguments.output {
         write_verdict(output, &verdict, &run)?;
     }
     append_to_step_summary(&Markdown.text(&verdict))?;
     print_text(&printed(arguments, &verdict))?;
     match verdict.conclusion() {
-        passed if passed.is_pass() => Ok(()),
-        closed => Err(GateClosed(closed).into()),
+        passed if passed.is_pass() => remembered,
+        closed => {
+            if let Err(problem) = remembered {
+                print_error(format_args!("error: {problem}"));
+            }
+            Err(GateClosed(closed).into())
+        }
     }
+}
+
+/// Adds `run` to the history, and to `verdict` what became of the numbers since an earlier run, as far as that is asked for.
+fn remember(arguments: &GateArgs, run: &RunArchive, verdict: &mut Verdict) -> Result<(), Failure> {
+    let Some(path) = &arguments.history else { return Ok(()) };
+    let history = add_to_history(path, run, &arguments.run, arguments.link.as_deref())?;
+    if let Some(wanted) = &arguments.since {
+        let since = history.since(wanted, &run.manifest.created, &verdict.tolerances)?;
+        verdict.since = Some(since.in_words());
+    }
+    Ok(())
 }
 
 fn printed(arguments: &GateArgs, verdict: &Verdict) -> String {

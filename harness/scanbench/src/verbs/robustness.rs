@@ -92,7 +92,8 @@ pub fn robustness(arguments: &RobustnessArgs) -> Result<(), Failure> {
 
 /// Opens the detectors, also with other trees if that is asked for, and the streets of each condition.
 pub fn open_robustness(arguments: &RobustnessArgs, started: Timestamp) -> Result<ScanStudy<'_>, Failure> {
-    let mut study = ScanStudy::of_simulated_scans(&arguments.detectors, &DETECTORS, started)?;
+    let output = &arguments.output;
+    let mut study = ScanStudy::of_simulated_scans(&arguments.detectors, &DETECTORS, output, started)?;
     let (seed, n_scans) = (arguments.detectors.seed, arguments.scans);
     let datasets = CONDITIONS.iter().map(|it| Ok(OpenedDataset::whole(it.open(seed, n_scans)?)));
     let datasets = datasets.collect::<Result<Vec<OpenedDataset>, Failure>>()?;

@@ -18,7 +18,7 @@ use reports::vocabulary::task::Task;
 use reports::worst::mistakes::ListedMistake;
 
 use crate::cli::{RunArgs, ViewArgs};
-use crate::plumbing::config::{choose_matching, chosen_detectors, load};
+use crate::plumbing::config::{choose_matching, chosen_detectors, hide_run, load, wall_in};
 use crate::plumbing::failure::{Failure, Usage};
 use crate::plumbing::first_look::look_first_at_all;
 use crate::plumbing::interruption::interruption_flag;
@@ -41,7 +41,7 @@ pub fn record(
         return Ok(());
     }
     let interrupted = interruption_flag();
-    let again = RunAgain::of(manifest, arguments.trust)?;
+    let again = RunAgain::of(manifest, arguments)?;
     let scans = again.scans_of(mistakes)?;
     let file = arguments.run.join("worst.rrd");
     let written = arguments.stream.save_rrd.clone().flatten().unwrap_or(file.clone());
@@ -166,12 +166,23 @@ pub fn place_of(
     place.ok_or_else(|| Usage(format!("scan {sequence} {scan} of {dataset:?} does not exist any more")))
 }
 
+fn was_walled_in(detector: &ChosenDetector, manifest: &Manifest) -> bool {
+    let entry = manifest.detectors.iter().find(|it| it.name == detector.name());
+    entry.and_then(|it| it.foreign.as_ref()).is_some_and(|it| it.sandbox)
+}
+
 impl RunAgain {
-    /// Opens the run of `manifest`; a run that is not `trusted` may name files of this machine, and nothing else.
-    fn of(manifest: &Manifest, trusted: bool) -> Result<Self, Failure> {
-        let arguments = trusted_arguments(manifest, trusted)?;
-        let (detectors, mut config) = chosen_detectors(&arguments.config, &arguments.detectors)?;
-        show_programs(&arguments, &detectors, trusted)?;
+    /// Opens the run of `manifest` for `view`; unless it is to be trusted, it may name files of this machine, and nothing
+    /// else. Its detectors see what they saw in the run.
+    fn of(manifest: &Manifest, view: &ViewArgs) -> Result<Self, Failure> {
+        let arguments = trusted_arguments(manifest, view.trust)?;
+        let (mut detectors, mut config) = chosen_detectors(&arguments.config, &arguments.detectors)?;
+        show_programs(&arguments, &detectors, view.trust)?;
+        for detector in detectors.iter_mut().filter(|it| was_walled_in(it, manifest)) {
+            wall_in(detector);
+        }
+        hide_run(&view.run, &mut config);
+        config.places_of_labels.extend(view.stream.save_rrd.clone().flatten());
         choose_matching(&mut config, &arguments.matching)?;
         let resolved = serde_json::to_value(&config.resolved).expect("a configuration has text keys only");
         if resolved != manifest.config {

@@ -2,10 +2,12 @@
 #![expect(clippy::unwrap_used, reason = "a test may panic")]
 
 use std::collections::{BTreeMap, BTreeSet};
+use std::io::Write as _;
+use std::net::TcpListener;
 use std::process::Command;
 use std::time::{Duration, Instant};
 
-use crate::program::{Ended, Workplace};
+use crate::program::{Ended, Words, Workplace};
 use crate::shard_folders::merge_whole;
 
 const QUIET: &str = "--no-rrd -q -o out";
@@ -90,34 +92,144 @@ fn one_failure_of_each_kind_is_skipped_and_counted() {
     check_skipped("too-much", "it says more than it was asked");
 }
 
-/// What a detector found that looks for labels and for the network, in a run with `more` options.
-fn found_by_peeking(more: &str) -> (Workplace, String) {
-    let workplace = workplace_with("peek", "");
-    let listener = std::net::TcpListener::bind("127.0.0.1:0").unwrap();
-    workplace.write("port", &listener.local_addr().unwrap().port().to_string());
-    workplace.write("runs/earlier/matches.csv", "labels\n");
-    let ended = run_odd(&workplace, more);
-    assert_eq!(ended.exit_code, Some(0), "{ended:#?}");
-    let found = workplace.read("found");
-    (workplace, found)
+/// A workplace with a detector that looks for labels and for the network, and has `more` in its table. The labels lie
+/// elsewhere, where a link in the data set leads.
+struct Peeking {
+    workplace: Workplace,
+    _listener: TcpListener,
 }
 
-fn found_in(word: &str) -> String {
-    format!("network {word}\nstreet/training/label_02/0000.txt {word}\nruns/earlier/matches.csv {word}\n")
+impl Peeking {
+    fn new(more: &str) -> Self {
+        let workplace = workplace_with("peek", more);
+        let listener = TcpListener::bind("127.0.0.1:0").unwrap();
+        workplace.write("port", &listener.local_addr().unwrap().port().to_string());
+        workplace.write("runs/earlier/matches.csv", "labels\n");
+        let (labels, elsewhere) = (workplace.path("street/training/label_02"), workplace.path("elsewhere"));
+        std::fs::rename(&labels, &elsewhere).unwrap();
+        std::os::unix::fs::symlink(elsewhere, labels).unwrap();
+        Self { workplace, _listener: listener }
+    }
+
+    /// What the detector finds in `command`; `None` if this system lets its users build no sandbox.
+    #[track_caller]
+    fn found_in(&self, command: &(impl Words + ?Sized)) -> Option<BTreeSet<String>> {
+        let ended = self.workplace.run(command);
+        if is_refused_by_system(&ended) {
+            return None;
+        }
+        assert_eq!(ended.exit_code, Some(0), "{ended:#?}");
+        let found = self.workplace.read("found");
+        // What an earlier command has found is not what the next one finds.
+        std::fs::remove_file(self.workplace.path("found")).unwrap();
+        let lines: Vec<_> = found.lines().filter_map(|it| it.split_once(' ')).collect();
+        assert_eq!(lines.iter().map(|it| it.0).collect::<Vec<_>>(), EVERYTHING);
+        Some(lines.iter().filter(|it| it.1 == "true").map(|it| it.0.to_owned()).collect())
+    }
+
+    /// The detector finds `expected` in `command`. False if this system lets its users build no sandbox.
+    #[track_caller]
+    fn check(&self, command: &(impl Words + ?Sized), expected: &[&str]) -> bool {
+        let found = self.found_in(command);
+        if let Some(found) = &found {
+            assert_eq!(*found, set_of(expected), "{:?}", command.words());
+        }
+        found.is_some()
+    }
+}
+
+fn set_of(words: &[&str]) -> BTreeSet<String> {
+    words.iter().map(|it| (*it).to_owned()).collect()
+}
+
+/// What a detector that peeks looks for.
+const EVERYTHING: [&str; 5] =
+    ["network", "street/training/label_02/0000.txt", "elsewhere/0000.txt", "runs/earlier/matches.csv", "out"];
+
+/// Whether `ended` is the refusal of a system that lets its users build no sandbox, as programs of others find, too. Says that
+/// the test is skipped then.
+fn is_refused_by_system(ended: &Ended) -> bool {
+    let is_refused =
+        ended.exit_code == Some(6) && ended.stderr.contains("this system lets its users build no sandbox (");
+    let of_others =
+        ["--user", "--map-root-user", "--mount", "--net", "mount", "-t", "tmpfs", "tmpfs", "/tmp"];
+    let by_others = || Command::new("unshare").args(of_others).output();
+    let is_skipped = is_refused && !by_others().is_ok_and(|it| it.status.success());
+    if is_skipped {
+        // Past the test's own output, which is not shown.
+        let _ = writeln!(std::io::stderr(), "skipped a test of --sandbox: {}", ended.stderr.trim());
+    }
+    is_skipped
 }
 
 #[test]
 fn a_sandbox_keeps_labels_and_network_from_a_detector_that_looks_for_them() {
-    let (open, found) = found_by_peeking("");
-    assert_eq!(found, found_in("true"));
-    let (walled, found) = found_by_peeking("--sandbox");
-    assert_eq!(found, found_in("false"));
+    let run = ("run street -d odd,simple-grid", QUIET);
+    let [open, walled] = [Peeking::new(""), Peeking::new("")];
+    assert_eq!(open.found_in(&run), Some(set_of(&EVERYTHING)));
+    if !walled.check(&(run, "--sandbox"), &[]) {
+        return;
+    }
     // It gets the points all the same, and what it saw is still there for others.
+    let [open, walled] = [open, walled].map(|it| it.workplace);
     let [open_rows, walled_rows] = [&open, &walled].map(|it| it.read("out/matches.csv"));
     assert!(open_rows == walled_rows && open_rows.lines().count() > 1, "{walled_rows}");
     assert!(walled.path("street").read_dir().unwrap().count() > 0);
     let sandbox = |it: &Workplace| it.json("out/manifest.json")["detectors"][0]["foreign"]["sandbox"].clone();
     assert_eq!((sandbox(&open), sandbox(&walled)), (serde_json::Value::Null, true.into()));
+}
+
+#[test]
+fn a_sandbox_hides_results_in_the_making_wherever_they_are() {
+    let results = "--mcap --detections-out outside --as csv";
+    let recorded = if cfg!(feature = "viewer") { "--save-rrd=out.rrd" } else { "--no-rrd" };
+    let run = ("run street -d odd,simple-grid -q -o out", results, recorded);
+    assert_eq!(Peeking::new("").found_in(&run), Some(set_of(&EVERYTHING)));
+    Peeking::new("").check(&(run, "--sandbox"), &[]);
+}
+
+#[test]
+fn a_sandbox_is_one_in_every_command() {
+    let parameters = "parameters = { most = 3 }";
+    let [open, walled] = ["", "sandbox = true\n"].map(|it| Peeking::new(&format!("{it}{parameters}")));
+    let sweep = "sweep street -d odd -P odd.most=1:3:1 --timed-scans 1 --jobs 1 --no-rrd -q -o out";
+    let gaps = "gaps -d odd,simple-grid --pairs 1 --sensor vlp-16 -q -o out --overwrite";
+    // The data set is no part of the gaps.
+    for (command, seen, seen_all_the_same) in [
+        ("detect street/training/velodyne/0000/000000.bin -d odd", 0..4, 0..0),
+        ("detect street --scan 0 -d odd", 0..4, 0..0),
+        (sweep, 0..5, 0..0),
+        (gaps, 0..5, 1..3),
+    ] {
+        assert_eq!(open.found_in(command), Some(set_of(&EVERYTHING[seen])), "{command}");
+        walled.check(command, &EVERYTHING[seen_all_the_same]);
+    }
+}
+
+#[test]
+fn a_detector_that_is_added_to_a_run_or_seen_again_is_in_the_sandbox_as_well() {
+    for (sandbox, seen) in [("", &EVERYTHING[..]), ("--sandbox", &[])] {
+        let peeking = Peeking::new("");
+        let workplace = &peeking.workplace;
+        workplace.succeed(&("run street -d pca", QUIET));
+        if !peeking.check(&("run --add-to out -d odd --no-rrd -q", sandbox), seen) {
+            return;
+        }
+        let manifest = workplace.json("out/manifest.json");
+        let is_walled_in = manifest["detectors"][1]["foreign"]["sandbox"] == true;
+        let words = manifest["argv"].as_array().unwrap();
+        assert_eq!([is_walled_in, words.contains(&"--sandbox".into())], [!sandbox.is_empty(); 2]);
+        if cfg!(feature = "viewer") {
+            peeking.check("view out --task objects -d odd --worst 1", seen);
+        }
+        // What is added next is in it without being asked, and may be no program.
+        workplace.succeed("run --add-to out -d simple-grid --no-rrd -q");
+        workplace.refuse("run --add-to out -d kd-tree --sandbox", 2, &["--sandbox is for programs"]);
+        let table = workplace.read("scanbench.toml");
+        workplace
+            .write("scanbench.toml", &(table.clone() + &table.replace("detector.odd", "detector.other")));
+        peeking.check("run --add-to out -d other --no-rrd -q", seen);
+    }
 }
 
 #[test]

@@ -5,6 +5,7 @@
 
 use std::fs::{File, OpenOptions};
 use std::io::{BufRead as _, BufReader, Write as _};
+use std::path::Path;
 use std::process::{Command, Stdio};
 use std::time::Duration;
 
@@ -86,7 +87,7 @@ impl Odd {
             Question::Scan(scan) if KNOWS_DRIVES.contains(&self.behaviour.as_str()) => self.remember(&scan),
             Question::Scan(scan) => {
                 self.n_asked += 1;
-                let is_first_life = !std::path::Path::new("misbehaved").exists();
+                let is_first_life = !Path::new("misbehaved").exists();
                 let guilty = if self.behaviour == "exit-at-first" { 1 } else { GUILTY };
                 let is_guilty = self.behaviour == "always" || (self.n_asked == guilty && is_first_life);
                 let line = ResultLine { number: scan.number, clusters: true, ..ResultLine::default() };
@@ -221,19 +222,30 @@ impl Odd {
     }
 }
 
-/// Looks for what it must not see, tries to get it back, and writes down what it has found: what is in the data set and in an
-/// earlier run, and whether the port that it knows of answers.
+/// Looks for what it must not see, tries to get it back, and writes down what it has found: what is in the data set, where the
+/// labels really lie, in an earlier run and in the one that is made, and whether the port that it knows of answers.
 fn peek() {
     let port = std::fs::read_to_string("port").unwrap();
     let answers = std::net::TcpStream::connect(format!("127.0.0.1:{port}")).is_ok();
     let mut found = vec![format!("network {answers}\n")];
-    for path in ["street/training/label_02/0000.txt", "runs/earlier/matches.csv"] {
-        for folder in std::path::Path::new(path).ancestors().filter(|it| it.components().next().is_some()) {
+    for path in ["street/training/label_02/0000.txt", "elsewhere/0000.txt", "runs/earlier/matches.csv"] {
+        for folder in Path::new(path).ancestors().filter(|it| it.components().next().is_some()) {
             let _ = Command::new("umount").arg(folder).stderr(Stdio::null()).status();
         }
         found.push(format!("{path} {}\n", std::fs::read(path).is_ok()));
     }
+    let names = std::fs::read_dir(".").unwrap().map(|it| it.unwrap().file_name().into_string().unwrap());
+    let mut outputs = names.filter(|it| it.starts_with("out") || it.starts_with('.'));
+    found.push(format!("out {}\n", outputs.any(|it| has_content(Path::new(&it)))));
     std::fs::write("found", found.concat()).unwrap();
+}
+
+/// Whether a byte can be read at `path` or below.
+fn has_content(path: &Path) -> bool {
+    match path.read_dir() {
+        Ok(mut entries) => entries.any(|it| has_content(&it.unwrap().path())),
+        Err(_) => std::fs::read(path).is_ok_and(|it| !it.is_empty()),
+    }
 }
 
 fn say_aloud(words: &str) {

@@ -7,10 +7,12 @@ use super::DatasetError;
 use super::dataset_format::DatasetFormat;
 use super::formats::entry_of;
 use super::on_disk::entries_of;
-use super::scan_folder::folder::is_scan_folder;
+use super::scan_folder::folder::{has_labels, is_scan_folder};
 
 /// At most this many folders are searched for one that may not be read.
 const MOST_FOLDERS: usize = 1000;
+/// No format has its scans further below the folder of the data set.
+const MOST_LEVELS: usize = 4;
 
 /// A data set on disk.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -48,6 +50,19 @@ pub fn detect_format(path: &Path, formats: &[DatasetFormat]) -> Result<FoundData
             Err(DatasetError::several_datasets(path, &found))
         }
     }
+}
+
+/// The folders in which labels of the scan in `file` may lie, as it is named and where it really is: that of the data set
+/// around it or, if there is none, its own.
+pub fn folders_around(file: &Path) -> Vec<PathBuf> {
+    std::path::absolute(file).into_iter().chain(file.canonicalize()).map(|it| folder_around(&it)).collect()
+}
+
+fn folder_around(file: &Path) -> PathBuf {
+    let folder = file.parent().unwrap_or(file);
+    let is_data_set = |it: &&Path| DatasetFormat::ALL.iter().any(|format| (entry_of(*format).is_at)(it));
+    let above = folder.ancestors().take(MOST_LEVELS).find(is_data_set);
+    above.or(folder.parent().filter(|it| has_labels(it))).unwrap_or(folder).to_owned()
 }
 
 /// The formats that fit `path`; if there are none, those that fit its first split with any.
@@ -152,6 +167,26 @@ mod tests {
         check(&tables[1..], "n/v1.0-mini", Err("has no data set"));
         let tool = ["s/lidar/000000.pcd", "s/label/000000.json"];
         check(&tool, "s", Ok((DatasetFormat::ScanFolder, "s")));
+    }
+
+    #[test]
+    fn labels_of_a_scan_lie_in_the_data_set_around_it_or_in_its_folder() {
+        let root = tempfile::tempdir().unwrap();
+        let root = root.path().canonicalize().unwrap();
+        for file in
+            [&TRACKING[..], &OBJECT, &["mine/clouds/a.pcd", "mine/labels/a.json", "other/a.pcd"]].concat()
+        {
+            std::fs::create_dir_all(root.join(file).parent().unwrap()).unwrap();
+            std::fs::write(root.join(file), []).unwrap();
+        }
+        for (scan, folder) in [
+            (TRACKING[0], "t/training"),
+            (OBJECT[0], "o/training"),
+            ("mine/clouds/a.pcd", "mine"),
+            ("other/a.pcd", "other"),
+        ] {
+            assert_eq!(folders_around(&root.join(scan)), [root.join(folder), root.join(folder)], "{scan}");
+        }
     }
 
     #[test]

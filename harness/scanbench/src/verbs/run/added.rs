@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 use std::path::Path;
 
-use evaluation::run::detector_list::DEFAULT_DETECTORS;
+use evaluation::run::detector_list::{DEFAULT_DETECTORS, DETECTORS};
 use reports::files::archive::ArchiveError;
 use reports::files::csv_rows::{CsvRow, read_rows};
 use reports::files::hidden_folder::HiddenFolder;
@@ -39,7 +39,7 @@ use crate::plumbing::shards::whole_run::WholeRun;
 use crate::plumbing::standard_streams::print_diagnostic;
 use crate::verbs::run::ending::print_ending;
 use crate::verbs::run::made::made_run;
-use crate::verbs::run::setup::arguments_of;
+use crate::verbs::run::setup::{arguments_of, sandbox_for_none};
 
 /// Runs the detectors of `arguments` as those of the run in `base` were run, and adds them to it.
 pub fn add_to(base: &Path, arguments: &RunArgs) -> Result<(), Failure> {
@@ -55,6 +55,7 @@ pub fn add_to(base: &Path, arguments: &RunArgs) -> Result<(), Failure> {
     again.foreign.detections.clone_from(&arguments.foreign.detections);
     again.output = OutputArgs { output: Some(folder.path().join("run")), overwrite: false };
     again.foreign.missing_detections = arguments.foreign.missing_detections;
+    again.foreign.sandbox |= arguments.foreign.sandbox;
     let stream = &mut again.stream;
     stream.no_rrd = arguments.stream.no_rrd || !can_join(base);
     (stream.save_rrd, stream.connect, stream.serve, stream.spawn) = (None, None, None, false);
@@ -143,6 +144,10 @@ fn named(arguments: &RunArgs, manifest: &Manifest) -> Result<Vec<String>, Failur
             "--add-to: the run has the detector {known} already; name others with -d"
         ))
         .into());
+    }
+    let is_built_in = |name: &String| DETECTORS.iter().any(|it| it.name == name);
+    if arguments.foreign.sandbox && names.iter().all(is_built_in) {
+        return Err(sandbox_for_none().into());
     }
     Ok(names)
 }

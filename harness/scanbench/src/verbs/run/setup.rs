@@ -4,12 +4,11 @@ use clap::Parser as _;
 use evaluation::run::compared_detector::ComparedDetector;
 use evaluation::run::config::RunConfig;
 use evaluation::run::detector_list::ChosenDetector;
-use evaluation::run::foreign_detector::{ForeignDetector, ForeignWork};
 use jiff::Timestamp;
 use reports::run_folder::manifest::Manifest;
 
 use crate::cli::RunArgs;
-use crate::plumbing::config::{choose_matching, chosen_with_results};
+use crate::plumbing::config::{choose_matching, chosen_with_results, hide_run, wall_in};
 use crate::plumbing::failure::{Failure, Usage};
 use crate::plumbing::first_look::look_first_at_all;
 use crate::plumbing::named_blocks::with_named_blocks;
@@ -42,11 +41,15 @@ impl ChosenRun {
         let left = &arguments.foreign.detections;
         let (mut chosen, mut config) = chosen_with_results(&arguments.config, &arguments.detectors, left)?;
         if arguments.foreign.sandbox {
-            wall_in_all(&mut chosen)?;
+            let n_programs = chosen.iter_mut().map(wall_in).filter(|it| *it).count();
+            // A run may have had one before a detector is added.
+            if n_programs == 0 && arguments.add_to.is_none() {
+                return Err(sandbox_for_none().into());
+            }
         }
-        if let Some(output) = &arguments.output.output {
-            config.places_of_labels.extend([output.clone(), output.with_added_extension("unfinished")]);
-        }
+        let runs = arguments.output.output.iter().chain(&arguments.add_to);
+        runs.for_each(|it| hide_run(it, &mut config));
+        config.places_of_labels.extend(arguments.stream.save_rrd.clone().flatten());
         choose_matching(&mut config, &arguments.matching)?;
         config.classes = own_classes(&arguments.data.source).or(&config.classes);
         Ok(Self { chosen, config })
@@ -81,19 +84,9 @@ impl ChosenRun {
     }
 }
 
-/// Programs of others see neither network nor labels, whatever the configuration says.
-fn wall_in_all(chosen: &mut [ChosenDetector]) -> Result<(), Usage> {
-    let mut n_programs = 0;
-    for it in chosen {
-        if let ChosenDetector::Foreign(ForeignDetector { work: ForeignWork::Process(process), .. }) = it {
-            process.sandbox = true;
-            n_programs += 1;
-        }
-    }
-    if n_programs == 0 {
-        return Err(Usage("--sandbox is for programs of scanbench.toml, and -d names none".to_owned()));
-    }
-    Ok(())
+/// The refusal of walls around no program.
+pub fn sandbox_for_none() -> Usage {
+    Usage("--sandbox is for programs of scanbench.toml, and -d names none".to_owned())
 }
 
 /// Everything that a run needs to begin.

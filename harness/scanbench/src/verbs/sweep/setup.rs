@@ -16,7 +16,7 @@ use scans::dataset::source::DamagePolicy;
 
 use crate::cli::{ConfigArgs, SweepArgs};
 use crate::plumbing::config::{
-    choose_matching, refuse_unread_models, runnable_detectors, warn_of_unknown_sensor,
+    choose_matching, hide_run, refuse_unread_models, runnable_detectors, warn_of_unknown_sensor,
 };
 use crate::plumbing::failure::Failure;
 use crate::plumbing::first_look::look_first_at_all;
@@ -47,6 +47,7 @@ pub fn sweep_plan(arguments: &SweepArgs) -> Result<SweepPlan, Failure> {
     let file = ConfigArgs { config: arguments.config.clone(), parameters: Vec::new() };
     let (detectors, mut config) = runnable_detectors(&file, &arguments.detectors)?;
     choose_matching(&mut config, &arguments.matching)?;
+    arguments.output.output.iter().for_each(|it| hide_run(it, &mut config));
     let lists: Vec<SweptParameter> = arguments.lists.iter().map(|it| it.0.clone()).collect();
     let plan = SweepPlan::new(&config, detectors, &arguments.parameters, &lists)?;
     let at_points = |it| plan.points.iter().map(move |point| (it, &point.config));
@@ -68,6 +69,7 @@ impl<'a> Sweep<'a> {
         let datasets = look_first_at_all(datasets, &mut plan.base);
         for point in &mut plan.points {
             point.config.own_curves.clone_from(&plan.base.own_curves);
+            point.config.places_of_labels.clone_from(&plan.base.places_of_labels);
         }
         let protocols = ChosenProtocols::of(&arguments.protocol.protocols);
         for opened in &datasets {

@@ -55,6 +55,11 @@ pub fn is_scan_folder(folder: &Path) -> bool {
     scans_below(folder).is_some()
 }
 
+/// Whether a folder of labels lies in `folder`.
+pub fn has_labels(folder: &Path) -> bool {
+    LABELS.iter().any(|it| folder.join(it).is_dir())
+}
+
 /// The folder with scans: `folder` itself, or one in which tools keep them.
 fn scans_below(folder: &Path) -> Option<PathBuf> {
     let has_scans = |folder: &PathBuf| entries_of(folder).is_ok_and(|it| it.iter().any(|it| is_scan(it)));
