@@ -200,7 +200,8 @@ impl History {
         {
             return Err(damaged(0, format!("there are no settings {:?} of the run {name}", run.settings)));
         }
-        Ok(history)
+        // Files of earlier versions of the program may have a run once for each of its links.
+        Ok(Self::default().with(history))
     }
 
     /// Adds a run, whose page is at `link`; one that is there already takes over the link.
@@ -230,16 +231,21 @@ impl History {
         };
         let lines: String = entry.lines("").concat();
         let name = format!("{}-{}", entry.created, hash(lines.as_bytes()));
-        let kept = self.runs.entry(name).or_insert(entry);
-        if let Some(link) = link {
-            kept.link = Some(link.to_owned());
+        self.insert(name, RunOfHistory { link: link.map(str::to_owned), ..entry });
+    }
+
+    /// Inserts a run; one that is there already, maybe by another name, takes over the link: names once had it in them.
+    fn insert(&mut self, name: String, run: RunOfHistory) {
+        match self.runs.values_mut().find(|it| it.is_but_for_link(&run)) {
+            Some(known) => known.link = run.link.or_else(|| known.link.take()),
+            None => drop(self.runs.insert(name, run)),
         }
     }
 
     /// This history with the runs of `other`.
     #[must_use]
     pub fn with(mut self, other: Self) -> Self {
-        self.runs.extend(other.runs);
+        other.runs.into_iter().for_each(|(name, run)| self.insert(name, run));
         self.settings.extend(other.settings);
         self
     }
@@ -281,6 +287,11 @@ impl History {
 }
 
 impl RunOfHistory {
+    /// Whether `other` is the same run, wherever its page is.
+    fn is_but_for_link(&self, other: &Self) -> bool {
+        self.created == other.created && *self == Self { link: self.link.clone(), ..other.clone() }
+    }
+
     /// Its lines, under this name; the first is that of the run.
     fn lines(&self, name: &str) -> Vec<String> {
         let Self { created, commit, dirty, program, machine, link, settings, numbers } = self;

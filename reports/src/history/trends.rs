@@ -173,17 +173,23 @@ impl Trend {
     }
 }
 
-/// The groups of comparable runs: each run joins the latest group whose last run it may be compared with.
+/// The groups of comparable runs: each run joins the latest group whose runs it may all be compared with. Not only the last:
+/// that may lack a detector that the earlier ones have, judged by other rules.
 fn comparable_runs(history: &History, runs: &[(&str, &RunOfHistory)]) -> Vec<Comparable> {
     let mut groups: Vec<Comparable> = Vec::new();
     let settings = |run_idx: usize| history.settings(runs[run_idx].1);
     for run_idx in 0..runs.len() {
         let now = settings(run_idx);
-        let last = |group: &Comparable| group.runs.last().copied().unwrap_or_default();
-        let of_last = groups.last().map(|it| differences(settings(last(it)), now));
-        match groups.iter_mut().rev().find(|it| differences(settings(last(it)), now).is_empty()) {
-            Some(group) => group.runs.push(run_idx),
-            None => groups.push(Comparable { runs: vec![run_idx], reasons: of_last.unwrap_or_default() }),
+        let differing = |group: &Comparable| {
+            let mut known: Vec<&Manifest> = group.runs.iter().rev().map(|it| settings(*it)).collect();
+            known.dedup_by(|one, other| std::ptr::eq(*one, *other));
+            known.into_iter().map(|it| differences(it, now)).find(|it| !it.is_empty())
+        };
+        if let Some(group) = groups.iter_mut().rev().find(|it| differing(it).is_none()) {
+            group.runs.push(run_idx);
+        } else {
+            let reasons = groups.last().and_then(differing).unwrap_or_default();
+            groups.push(Comparable { runs: vec![run_idx], reasons });
         }
     }
     groups

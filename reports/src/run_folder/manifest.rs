@@ -27,7 +27,7 @@ use crate::vocabulary::protocol::Protocol;
 pub struct Manifest {
     /// Layout of the files of the run, [`SCHEMA`](crate::files::archive::SCHEMA).
     pub schema: u32,
-    /// Version of the rules by which the detections were judged.
+    /// Version of the rules by which the detections were judged: the highest of those of its detectors.
     pub scoring_version: u32,
     /// Version of the program.
     pub scanbench_version: String,
@@ -279,6 +279,9 @@ pub struct DetectorEntry {
     /// same way.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub doubts: Vec<String>,
+    /// Version of the rules by which its detections were judged; `None` in manifests from before this was said.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub scoring_version: Option<u32>,
     /// Where it comes from if it is not built in.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub foreign: Option<ForeignEntry>,

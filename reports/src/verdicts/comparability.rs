@@ -6,7 +6,7 @@ use std::fmt::Display;
 use crate::rows::partial_row::PartialRow;
 use crate::rows::scan_row::{ScanOutcome, ScanRow};
 use crate::run_folder::detector_changes::{add_values, detector_changes};
-use crate::run_folder::manifest::{DatasetEntry, Manifest};
+use crate::run_folder::manifest::{DatasetEntry, DetectorEntry, Manifest};
 use crate::run_folder::run_archive::RunArchive;
 use crate::verdicts::partial_differences::{CurveName, check_same_parts, rows_of_curves};
 use crate::vocabulary::own_slice::SliceBounds;
@@ -56,9 +56,7 @@ pub fn check_comparable(baseline: &RunArchive, run: &RunArchive) -> Result<(), N
 /// [`NotComparable`] with everything that differs.
 pub fn check_joinable(run: &RunArchive, added: &RunArchive) -> Result<(), NotComparable> {
     let (before, now) = (&run.manifest, &added.manifest);
-    // One program has one set of rules; some versions of it are only for detectors that are not built in.
-    let by_same_rules = Manifest { scoring_version: now.scoring_version, ..before.clone() };
-    let mut reasons = differences_of_rules_and_data(&by_same_rules, now);
+    let mut reasons = differences_of_rules_and_data(before, now);
     let mut compare = |what: &str, before: &dyn Display, now: &dyn Display| {
         let [before, now] = [before, now].map(ToString::to_string);
         if before != now {
@@ -67,7 +65,10 @@ pub fn check_joinable(run: &RunArchive, added: &RunArchive) -> Result<(), NotCom
     };
     let program = |it: &Manifest| {
         let commit = it.git.as_ref().map_or("no known commit", |it| it.commit.as_str());
-        format!("{} of {commit} by rustc {}", it.scanbench_version, it.rustc_version)
+        // Of two programs whose commits nobody knows, one may be from before there were these.
+        let has_versions = it.detectors.iter().all(|it| it.scoring_version.is_some());
+        let versions = if has_versions { "" } else { " without scoring versions of detectors" };
+        format!("{} of {commit} by rustc {}{versions}", it.scanbench_version, it.rustc_version)
     };
     compare("the program", &program(before), &program(now));
     compare("the processor", &before.machine.cpu_model, &now.machine.cpu_model);
@@ -101,14 +102,12 @@ pub(crate) fn differences_of_rules_and_data(before: &Manifest, now: &Manifest) -
 
 /// Differences in the rules of judging.
 fn rules(baseline: &Manifest, run: &Manifest) -> Vec<String> {
-    let mut reasons = Vec::new();
+    let mut reasons = scoring_versions(baseline, run);
     let mut compare = |what: &str, before: String, now: String| {
         if before != now {
             reasons.push(format!("{what} changed from {before} to {now}"));
         }
     };
-    let version = |it: &Manifest| it.scoring_version.to_string();
-    compare("the scoring version", version(baseline), version(run));
     let criterion = |it: &Manifest| format!("{:?}", it.matching_criterion);
     compare("the matching criterion", criterion(baseline), criterion(run));
     let ignored = |it: &Manifest| {
@@ -130,6 +129,39 @@ fn rules(baseline: &Manifest, run: &Manifest) -> Vec<String> {
         }
     }
     reasons
+}
+
+/// Differences in the versions of the rules, by which detectors of both runs were judged.
+fn scoring_versions(baseline: &Manifest, run: &Manifest) -> Vec<String> {
+    let mut changed: BTreeMap<[u32; 2], Vec<&str>> = BTreeMap::new();
+    for before in &baseline.detectors {
+        if let Some(now) = run.detectors.iter().find(|it| it.name == before.name) {
+            let versions = [scoring_version(baseline, before), scoring_version(run, now)];
+            changed.entry(versions).or_default().push(&before.name);
+        }
+    }
+    changed.retain(|[before, now], _| before != now);
+    let in_words = |([before, now], names): (&[u32; 2], &Vec<&str>)| {
+        format!("the scoring version of {} changed from {before} to {now}", names.join(", "))
+    };
+    changed.iter().map(in_words).collect()
+}
+
+/// The version of the rules by which `detector` of the run of `manifest` was judged.
+fn scoring_version(manifest: &Manifest, detector: &DetectorEntry) -> u32 {
+    /// That of detectors that are not built in, which whole runs with such detectors had before each detector had its own.
+    const OF_OTHERS: u32 = 4;
+    let is_by_boxes = || {
+        let of_boxes = ["boxes on the ground plan, ", "boxes in space, ", "centre, closer than "];
+        of_boxes.iter().any(|it| manifest.matching_criterion.contains(it))
+    };
+    let of_run = match (manifest.scoring_version, &detector.foreign) {
+        // Built-in detectors were judged as in a run without others.
+        (OF_OTHERS, None) if is_by_boxes() => 3,
+        (OF_OTHERS, None) => 2,
+        (of_run, _) => of_run,
+    };
+    detector.scoring_version.unwrap_or(of_run)
 }
 
 fn datasets(baseline: &Manifest, run: &Manifest) -> Vec<String> {

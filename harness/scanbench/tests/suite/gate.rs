@@ -107,7 +107,7 @@ fn runs_that_were_asked_for_other_things_are_not_compared() {
     workplace.refuse("compare first other", 5, &[]);
     let manifest = workplace.read("golden/run/manifest.json");
     let ours = format!("\"scoring_version\": {SCORING_VERSION}");
-    let versions = format!("the scoring version changed from 0 to {SCORING_VERSION}");
+    let versions = format!("the scoring version of hierarchical, pca changed from 0 to {SCORING_VERSION}");
     for (from, to, expected) in [
         (ours.as_str(), "\"scoring_version\": 0", versions.as_str()),
         ("\"checksum\": \"", "\"checksum\": \"0", "the data of narrow changed"),
@@ -181,6 +181,42 @@ fn the_summary_of_a_job_is_added_to() {
     let summary = workplace.read("summary.md");
     assert!(summary.starts_with("before\n**PASSED**\n"), "{summary}");
     assert!(summary.contains("| objects | pca | all | f_rate"), "{summary}");
+}
+
+/// The verdict is printed and written all the same, and a gate that has failed ends as it would without a history.
+#[test]
+fn a_history_that_fails_hides_no_verdict() {
+    let workplace = accepted();
+    workplace.write("bad.jsonl", "{\"line\":\"history\",\"schema\":1}\nnonsense\n");
+    run(&workplace, "narrow.mcap", "few", "--scans 0..3");
+    workplace.succeed("gate few -b few --history few.jsonl");
+    let created = workplace.json("few/manifest.json")["created"].as_str().expect("a time").to_owned();
+    let since_few = format!("few.jsonl --since {created}");
+    for (history, exit_code, problem) in [
+        ("gone/h.jsonl", 2, "cannot write \"gone/h.jsonl\""),
+        ("bad.jsonl", 3, "bad.jsonl"),
+        (
+            "h.jsonl --since 1999",
+            2,
+            "--since: no run of the history has a name or a commit that begins with \"1999\"",
+        ),
+        (&since_few, 5, "the chosen scans of narrow changed"),
+    ] {
+        for (run, exit_code, first_line) in
+            [("first", exit_code, "PASSED\n"), ("worse", 100, "FAILED: worse\n")]
+        {
+            let gate = format!("gate {run} -b golden -t tolerances.toml -o verdict --history {history}");
+            let ended = workplace.end_with(&gate, exit_code, &["error: ", problem]);
+            assert!(ended.stdout.starts_with(first_line), "{gate}: {ended:#?}");
+            for name in ["gate.md", "gate.json"] {
+                workplace.check_file(&format!("verdict/{name}"), &["History: "]);
+            }
+            workplace.check_file("verdict/junit.xml", &["scanbench.objects.hierarchical"]);
+            std::fs::remove_dir_all(workplace.path("verdict")).expect("it was written");
+        }
+    }
+    assert!(!workplace.path("gone").exists());
+    assert!(workplace.read("bad.jsonl").ends_with("nonsense\n"));
 }
 
 #[test]
@@ -296,6 +332,64 @@ fn times_are_held_against_the_reference_on_the_same_processor_alone() {
     for metric in ["reference_ms", "time_over_reference"] {
         let has = |row: &Value| row["metric"] == metric && row["value"].as_f64().is_some_and(|it| it > 0.0);
         assert!(report["rows"].as_array().expect("a list").iter().any(has), "{metric}");
+    }
+}
+
+/// Detectors of others are judged by a scoring version of their own, which is no matter of the ones that both runs have.
+#[test]
+fn a_detector_of_others_may_join_and_is_compared_under_its_own_scoring_version() {
+    let workplace = accepted();
+    let command = format!(
+        "[detector.mine]\ncommand = [{:?}, \"serve\", \"kd-tree\"]\n",
+        env!("CARGO_BIN_EXE_scanbench")
+    );
+    workplace.write("scanbench.toml", &command);
+    run(&workplace, "narrow.mcap", "both", "-d hierarchical,pca,mine");
+    copy_folder(&workplace.path("first"), &workplace.path("joined"));
+    workplace.succeed("run --add-to joined -d mine --no-rrd");
+    let joins = "Not judged, because only the later run has it: mine.";
+    for name in ["both", "joined"] {
+        check_gate(&workplace, name, 0, joins).check_stdout(&["PASSED\n"]);
+        let manifest = workplace.json(&format!("{name}/manifest.json"));
+        let versions: Vec<&Value> = manifest["detectors"]
+            .as_array()
+            .expect("a list")
+            .iter()
+            .map(|it| &it["scoring_version"])
+            .collect();
+        assert_eq!(
+            (&manifest["scoring_version"], versions),
+            (&4.into(), vec![&2.into(), &2.into(), &4.into()])
+        );
+    }
+    workplace.succeed("gate first -b golden --history h.jsonl");
+    workplace.succeed("gate both -b golden --history h.jsonl --since 20");
+    let shown = workplace.succeed("history h.jsonl").stdout;
+    assert!(shown.contains("2 runs") && !shown.contains("begins another line"), "{shown}");
+
+    // Runs from before each detector had its version: their own was that of detectors of others alone.
+    let manifest = workplace.json("both/manifest.json");
+    let write = |version_of_run: u32, version_of_mine: Option<u32>| {
+        let mut manifest = manifest.clone();
+        manifest["scoring_version"] = version_of_run.into();
+        for entry in manifest["detectors"].as_array_mut().expect("a list") {
+            let entry = entry.as_object_mut().expect("an entry");
+            entry.remove("scoring_version");
+            if let Some(version) = version_of_mine.filter(|_| entry["name"] == "mine") {
+                entry.insert("scoring_version".to_owned(), version.into());
+            }
+        }
+        workplace.write("older/manifest.json", &manifest.to_string());
+    };
+    copy_folder(&workplace.path("both"), &workplace.path("older"));
+    write(4, None);
+    check_gate(&workplace, "older", 0, joins);
+    workplace.succeed("gate both -b older -t tolerances.toml");
+    for (version_of_run, version_of_mine) in [(2, None), (4, Some(2))] {
+        write(version_of_run, version_of_mine);
+        let changed = "the scoring version of mine changed from 2 to 4";
+        workplace.refuse("gate both -b older -t tolerances.toml", 5, &[changed]);
+        check_gate(&workplace, "older", 0, joins);
     }
 }
 

@@ -2,7 +2,7 @@
 #![expect(clippy::unwrap_used, reason = "a test may panic")]
 
 use crate::program::{Ended, Words, Workplace, send};
-use crate::shard_folders::{check_same_but_times, check_same_bytes, merge_whole};
+use crate::shard_folders::{check_same_but_times, check_same_bytes, make_shards, merge_whole};
 
 /// Sends `signal` once `command` has added so many bytes to the journal in `folder`, and returns how that ended.
 fn end_in_the_middle(
@@ -84,4 +84,34 @@ fn a_shard_of_a_study_goes_on_where_it_was_ended() {
         check_same_bytes(&workplace, "in-one", "merged");
         assert_eq!(workplace.top_names(), ["in-one", "merged", "shards"]);
     }
+}
+
+/// Detections of equal score are one row of `precision_recall.csv`, whether they were kept or judged after the end.
+#[test]
+fn a_shard_with_equal_scores_goes_on_where_it_was_ended() {
+    let workplace = Workplace::new();
+    let run = "run street-narrow --simulated-scans 36 --sensor vlp-16 --no-rrd --jobs 1";
+    workplace.succeed(&(run, "-d simple-grid -o first --detections-out found --as csv"));
+    let names = workplace.names().into_iter().map(|it| it.into_os_string().into_string().unwrap());
+    for name in names.filter(|it| it.starts_with("found") && it.ends_with(".csv")) {
+        let equal = |line: &str| {
+            let mut cells: Vec<&str> = line.split(',').collect();
+            cells[2] = if cells[2] == "score" { "score" } else { "1" };
+            cells.join(",") + "\n"
+        };
+        workplace.write(&name, &workplace.read(&name).lines().map(equal).collect::<String>());
+    }
+    let judged = (run, "--detections equal=found/simple-grid -d equal,simple-grid");
+    let shard = (judged, "--shard 1/2 -o shards");
+    let ended = end_in_the_middle(&workplace, &shard, ("shards/shard-1-of-2.unfinished", 20_000), "-KILL");
+    assert_eq!(ended.exit_code, None, "{ended:#?}");
+    make_shards(&workplace, &judged, 2, "shards");
+    merge_whole(&workplace, "shards", "merged");
+    workplace.succeed(&(judged, "-o in-one"));
+    check_same_but_times(&workplace, "in-one", "merged");
+    let detectors = workplace.column("merged/precision_recall.csv", "detector");
+    let n_rows = |name: &str| detectors.iter().filter(|it| *it == name).count();
+    // Vehicles, pedestrians and cyclists.
+    assert_eq!(n_rows("equal"), 3);
+    assert!(n_rows("simple-grid") > 20);
 }

@@ -38,6 +38,20 @@ fn the_run_is_found_at_which_numbers_changed_and_what_changed_then() {
     let linked = workplace.read("linked.jsonl");
     assert_eq!(linked.matches("\"line\":\"run\"").count(), 1, "{linked}");
     assert!(linked.contains("https://ci.example/2") && !linked.contains("https://ci.example/1"), "{linked}");
+    // Names of runs in old files had the link in them.
+    let name_of = |history: &str| {
+        let line = history.lines().find(|it| it.contains("\"line\":\"run\"")).expect("a run");
+        line.split('"').nth(7).expect("a name").to_owned()
+    };
+    let named = name_of(&linked);
+    let old = linked.replace(&named, &format!("{}0123456789ab", &named[..named.len() - 12]));
+    workplace.write("old.jsonl", &old.replace("example/2", "example/0"));
+    workplace.succeed("gate run-01 --baseline run-01 --history old.jsonl --link https://ci.example/2");
+    assert_eq!(workplace.read("old.jsonl"), old);
+    workplace.write("twice.jsonl", &format!("{linked}{old}"));
+    for files in ["old.jsonl linked.jsonl", "twice.jsonl", "run-01 old.jsonl"] {
+        workplace.succeed(&format!("history {files}")).check_stdout(&["1 runs"]);
+    }
     // Nor does it change anything, and neither does the order of lines, or a line twice.
     workplace.succeed("gate run-01 --baseline run-01 --history h.jsonl");
     assert_eq!(workplace.read("h.jsonl"), history);
@@ -97,7 +111,7 @@ fn a_slow_loss_is_a_loss_since_an_earlier_run() {
     workplace.check_file("verdict/gate.json", &["\"conclusion\": \"worse-since\"", "\"since\": ["]);
     workplace.check_file("verdict/junit.xml", &["scanbench.since", "failures=\"1\""]);
     workplace.succeed(&format!("gate run-03 --baseline run-03 {gate} --since 2026-01-03"));
-    workplace.refuse(
+    workplace.end_with(
         &format!("gate run-03 --baseline run-03 {gate} --since 2025"),
         2,
         &["--since: no run of the history has a name or a commit that begins with \"2025\"; it has 2 runs"],
@@ -112,6 +126,19 @@ fn runs_that_cannot_be_compared_are_on_separate_lines() {
     }
     let ended = workplace.succeed("history a b");
     ended.check_stdout(&["begins another line: the chosen scans of street-main-road changed"]);
+    // Nor by a run between them that lacks the detector that was judged by other rules.
+    workplace.succeed("run streets --scans 0..20:10 -d pca,simple-grid --no-rrd -o c");
+    copy_folder(&workplace.path("c"), &workplace.path("d"));
+    for (name, day, version) in [("c", 1, 1), ("a", 2, 2), ("d", 3, 2)] {
+        let path = format!("{name}/manifest.json");
+        let mut manifest = workplace.json(&path);
+        manifest["created"] = format!("2026-01-{day:02}T12:00:00Z").into();
+        let detectors = manifest["detectors"].as_array_mut().expect("a list");
+        detectors.last_mut().expect("a detector")["scoring_version"] = version.into();
+        workplace.write(&path, &manifest.to_string());
+    }
+    let ended = workplace.succeed("history a c d");
+    ended.check_stdout(&["begins another line: the scoring version of simple-grid changed from 1 to 2"]);
     workplace.refuse("history a --metric beauty", 2, &["\"beauty\" is no metric that a history keeps"]);
     workplace.write("h.jsonl", "{\"line\":\"history\",\"schema\":1}\nnonsense\n");
     workplace.refuse("history h.jsonl", 3, &["h.jsonl", "line 2: expected"]);

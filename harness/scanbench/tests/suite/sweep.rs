@@ -128,7 +128,11 @@ fn a_sweep_that_was_ended_goes_on_with_itself_alone_and_any_number_of_threads_gi
         (CELLS, "-P walls.min_support=0.7", "config.hierarchical.walls.min_support, detectors"),
         (CELLS, "-d simple-grid", "detectors"),
         (CELLS, "--protocol argoverse2", "protocols"),
-        (CELLS, "--criterion centre", "config.matching.criterion, matching_criterion, scoring_version"),
+        (
+            CELLS,
+            "--criterion centre",
+            "config.matching.criterion, detectors, matching_criterion, scoring_version",
+        ),
     ] {
         let says = format!("belongs to another sweep: {difference} differ;");
         broken.end_with(&(LONG, REST, swept, more), 2, &[&says]);

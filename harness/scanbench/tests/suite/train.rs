@@ -158,7 +158,14 @@ fn a_model_that_no_chosen_detector_reads_is_refused_by_name() {
         let named = manifest["config"]["vehicle_model"]["groupings_directory"].as_str().expect("a text");
         assert_eq!(Path::new(named), models);
     }
-    std::fs::remove_file(workplace.path("scanbench.toml")).expect("it was written");
+    // So is what stands for it: a copy that Python has added detectors to.
+    std::fs::rename(workplace.path("scanbench.toml"), workplace.path("copy.toml")).expect("it was written");
+    let copy = workplace.path("copy.toml").into_os_string().into_string().expect("text");
+    let run = "run street-narrow --simulated-scans 1 --sensor vlp-16 -q --no-rrd -d pca -o of-copy";
+    let ended = workplace.run_with(&[("SCANBENCH_PROJECT", &copy)], run);
+    assert_eq!(ended.exit_code, Some(0), "{ended:?}");
+    let resolved = &workplace.json("of-copy/manifest.json")["config"]["vehicle_model"];
+    assert!(resolved["groupings_directory"].as_str().expect("a text").ends_with("models"), "{resolved}");
     // Some of the variants read it.
     let ablation = "ablation street-narrow --simulated-scans 1 --sensor vlp-16 -q -o ablation -P";
     workplace.succeed(&(ablation, [of_groupings.as_str()]));

@@ -51,7 +51,8 @@ pub struct Verdict {
     pub claims: Vec<ChangedClaim>,
     /// Scans on which results of a detector changed.
     pub drift: Vec<ScanDrift>,
-    /// Doubts about the later run's data sets and detectors, and those that its user overruled, a sentence each.
+    /// Doubts about the later run's data sets and detectors, those that its user overruled, and what is wrong with the history, a
+    /// sentence each.
     pub doubts: Vec<String>,
     /// Changes in the configuration of detectors, a text each.
     pub configuration_changes: Vec<String>,

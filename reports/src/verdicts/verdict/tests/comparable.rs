@@ -48,6 +48,41 @@ fn a_changed_configuration_is_reported_with_both_values() {
     assert!(!printed(&same).contains("Configuration changed"));
 }
 
+/// Rules changed for detectors of others alone, and runs once had one version for all of their detectors.
+#[test]
+fn detectors_of_both_runs_have_one_scoring_version() {
+    let run = |criterion: &str, is_foreign: bool, of_run: u32, own: Option<u32>| {
+        let mut run = USUAL.archive();
+        run.manifest.matching_criterion = criterion.to_owned();
+        run.manifest.scoring_version = of_run;
+        let foreign = is_foreign.then(ForeignEntry::default);
+        run.manifest.detectors =
+            vec![DetectorEntry { foreign, scoring_version: own, ..sample::detector("pca") }];
+        run
+    };
+    let points = "points, IoU at least 0.5";
+    let boxes = "points, IoU at least 0.5; car: boxes on the ground plan, IoU at least 0.7";
+    for (criterion, is_foreign, before, after, changed) in [
+        (points, false, (2, None), (2, Some(2)), None),
+        (points, false, (2, None), (4, Some(2)), None),
+        (points, false, (2, None), (4, None), None),
+        (points, false, (4, None), (4, Some(2)), None),
+        (points, false, (1, None), (4, None), Some("from 1 to 2")),
+        (points, false, (4, Some(2)), (4, Some(4)), Some("from 2 to 4")),
+        (boxes, false, (3, None), (4, None), None),
+        (boxes, false, (2, None), (4, None), Some("from 2 to 3")),
+        (points, true, (4, None), (4, Some(4)), None),
+        (points, true, (2, None), (4, None), Some("from 2 to 4")),
+        (points, true, (2, None), (4, Some(4)), Some("from 2 to 4")),
+    ] {
+        let [before, after] = [before, after].map(|(of_run, own)| run(criterion, is_foreign, of_run, own));
+        let error = judge(&before, &after, &tolerances()).err().map(|it| it.to_string());
+        let expected =
+            changed.map(|it| format!("the runs cannot be compared: the scoring version of pca changed {it}"));
+        assert_eq!(error, expected);
+    }
+}
+
 #[test]
 fn scans_of_which_points_or_labels_changed_are_not_gated() {
     let mut relabelled = USUAL.archive();
