@@ -13,7 +13,8 @@ for (const colorScheme of ['light', 'dark']) {
             const page = await open(`${home}${name}.html`, home, where, { viewport: { width, height: 900 }, colorScheme });
             await check_width(page, where);
             await page.screenshot({ path: `${pictures}/${name.replaceAll('/', '-')}-${colorScheme}-${width}.png` });
-            await check_access(page, where, ['wcag2a', 'wcag2aa', 'wcag21aa'], 'main');
+            // A page of text alone is all headings, links and colours.
+            await check_access(page, where, ['wcag2a', 'wcag2aa', 'wcag21aa'], 'main', 3);
             await page.context().close();
         }
     }
