@@ -35,6 +35,9 @@ runnable = false
 """
 # Links differ from text by more than a pale colour.
 CSS = """main { overflow-wrap: anywhere }
+:root { --content-max-width: 960px }
+main table { overflow-wrap: normal }
+main :is(td, th) { padding: 3px 10px }
 main a:not(.header) { text-decoration: underline }
 .navy { --links: #8ab4ff }
 .navy :is(.hljs-variable, .hljs-attr, .hljs-attribute, .hljs-name, .hljs-deletion) { color: #ee9999 }

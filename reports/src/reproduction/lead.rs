@@ -199,9 +199,12 @@ mod tests {
         assert_eq!(both.numbers, "a: 75.0 against 50.0; b: 25.0 against 50.0");
         assert_eq!(both.difference, "+25.0 (12.5 to 50.0); -25.0 (-50.0 to 50.0)");
     }
+    /// Whether method and rival find all objects of a drive.
+    type FindAll = fn(u32) -> [bool; 2];
+
     /// Twelve drives of each data set, in each of which a detector finds all of ten objects, or five and five false ones: an
     /// F-rate of 1, or of 0.5.
-    fn tally_of(scenes: &[(&str, fn(u32) -> [bool; 2])]) -> Tally {
+    fn tally_of(scenes: &[(&str, FindAll)]) -> Tally {
         let mut tally = Tally::default();
         for (scene, finds_all) in scenes {
             for drive in 0..12 {

@@ -92,8 +92,9 @@ fn a_shard_with_equal_scores_goes_on_where_it_was_ended() {
     let workplace = Workplace::new();
     let run = "run street-narrow --simulated-scans 36 --sensor vlp-16 --no-rrd --jobs 1";
     workplace.succeed(&(run, "-d simple-grid -o first --detections-out found --as csv"));
-    let names = workplace.names().into_iter().map(|it| it.into_os_string().into_string().unwrap());
-    for name in names.filter(|it| it.starts_with("found") && it.ends_with(".csv")) {
+    let is_csv = |it: &std::path::PathBuf| it.extension().is_some_and(|it| it == "csv");
+    for name in workplace.names().into_iter().filter(|it| it.starts_with("found") && is_csv(it)) {
+        let name = name.into_os_string().into_string().unwrap();
         let equal = |line: &str| {
             let mut cells: Vec<&str> = line.split(',').collect();
             cells[2] = if cells[2] == "score" { "score" } else { "1" };

@@ -51,7 +51,9 @@ impl FoundAtPoints {
             let on_scan = || progress.inc(1);
             let rows = rows_at_points(&plan, &*it.dataset, &it.scan_indices, interrupted, on_scan)?;
             for (tally, rows) in tallies.iter_mut().zip(rows) {
-                rows.iter().for_each(|it| tally.add_scan(it));
+                for row in &rows {
+                    tally.add_scan(row);
+                }
             }
             progress.finish_and_clear();
         }
