@@ -83,6 +83,7 @@ impl<'a> Judge<'a> {
                 let readings = self.readings(pair, |reading, leads, pair| {
                     seen(reading, &leads.on_all(pair, &metric, scenes))
                 });
+                // They are of the pairs that have other readings.
                 let settings = self.settings.filter(|_| readings.len() > 1);
                 (readings, settings.and_then(|it| it.n_leading(*task, scenes == "every")))
             }

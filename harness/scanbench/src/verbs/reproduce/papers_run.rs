@@ -306,7 +306,8 @@ fn notes(settings: Option<&Sensitivity>) -> Vec<String> {
          intersection over union of 0.5, where good faith compares points with one of 0.5."
             .to_owned(),
         "A lead holds if the 95 % interval of the difference is above 0: cluster bootstrap over drives, both detectors on the same draws. \
-         It is not known where the interval rests on too few blocks, or nothing counts on a scene."
+         It is not known where the interval rests on too few blocks. Scenes without the rate, where nothing counts or false detections are \
+         not known, are left out."
             .to_owned(),
         "kd-tree finds neighbours in cells, as everywhere in the program. kd-tree, searched looks around every point in a kd-tree, as the library \
          does that HG names: the same components, more slowly."
